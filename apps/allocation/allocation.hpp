@@ -1,0 +1,21 @@
+// Control allocation: rate_control's torque and thrust in, one command for each motor out.
+#pragma once
+
+#include "allocation_ports.hpp"
+#include "rotors.hpp"
+
+namespace stator {
+
+// Runs with every torque setpoint. The motors stop (not a number) unless the status says armed, and
+// if the rotors of the parameters cannot steer. A thrust that is absent, or a component that is not
+// a number, reads as zero.
+class Allocation {
+  public:
+    void step(AllocationPorts& ports);
+
+  private:
+    Rotors rotors_;
+    unsigned count_ = 0;  // 0: the rotors cannot steer
+};
+
+}  // namespace stator

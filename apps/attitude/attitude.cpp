@@ -1,0 +1,111 @@
+// Attitude estimation: what each sensor's sample does.
+#include "attitude.hpp"
+
+namespace stator {
+
+namespace {
+
+// A gap longer than this breaks the integration: gravity is found anew.
+constexpr float kLongestGap = 0.25f;  // s
+// Corrections are slow: the samples of this long are averaged first.
+constexpr uint64_t kCorrectionInterval = 10'000;  // us
+// Motion capture that was away for longer is followed from its first sample on, at once.
+constexpr float kLongestCaptureGap = 1.0f;  // s
+constexpr uint64_t kCaptureHold = 1'000'000;  // us
+constexpr float kMoving = 0.35f;  // rad/s
+// Nearer to the vertical the nose shows no heading.
+constexpr float kLeastLevelNose = 0.2f;
+
+math::Vector3<float> vector(const std::array<float, 3>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
+
+bool is_finite(const math::Vector3<float>& v) { return math::is_finite(v.squaredNorm()); }
+
+}  // namespace
+
+void Attitude::step(AttitudePorts& ports) {
+    if (!ports.gyro || !is_finite(vector(ports.gyro->xyz))) return;
+    const std::optional<float> dt = gyro_clock_.advance(ports.gyro->timestamp_sample);
+    if (!dt) return;
+    if (*dt > kLongestGap) restart();
+    rate_B_ = vector(ports.gyro->xyz);
+    inclination_.turn(rate_B_ - bias_.value(), *dt);
+    update_inclination(ports);
+    if (!aligned_) return;
+    update_heading(ports);
+    ports.attitude.publish([&] {
+        const math::Quaternion<float> q_NB = heading_.q_NT() * inclination_.q_TB();
+        return VehicleAttitude{.timestamp_sample = ports.gyro->timestamp_sample,
+                               .q = {q_NB.w(), q_NB.x(), q_NB.y(), q_NB.z()}};
+    });
+}
+
+void Attitude::restart() {
+    inclination_.restart();
+    bias_.restart();
+    correction_clock_ = SampleClock();
+    rates_B_ = Average();
+    forces_B_ = Average();
+}
+
+void Attitude::update_inclination(AttitudePorts& ports) {
+    if (!ports.accel || !ports.accel.is_new() || !is_finite(vector(ports.accel->xyz))) return;
+    const Vector force_B = vector(ports.accel->xyz);
+    inclination_.feel(force_B);
+    rates_B_.add(rate_B_);
+    forces_B_.add(force_B);
+    if (!correction_clock_.is_due(ports.accel->timestamp_sample, kCorrectionInterval)) return;
+    const bool armed =
+        ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
+    correct_inclination(*correction_clock_.advance(ports.accel->timestamp_sample), !armed,
+                        *ports.params);
+}
+
+void Attitude::correct_inclination(float dt, bool may_rest, const AttitudeParams& params) {
+    bias_.predict(dt, params);
+    bias_.update_rest(rates_B_.take(), forces_B_.take(), may_rest, dt, params);
+    const float time_constant =
+        bias_.at_rest() ? params.accel_time_constant_at_rest : params.accel_time_constant;
+    const Eigen::Vector2f turned = inclination_.correct(dt, time_constant);
+    aligned_ = true;
+    if (dt <= 0.0f) return;
+    const Eigen::Vector2f drift_T = turned * (1.0f / dt);
+    bias_.update_inclination(inclination_.q_TB().toRotationMatrix(), drift_T, dt, time_constant,
+                             params);
+}
+
+void Attitude::update_heading(AttitudePorts& ports) {
+    if (ports.heading && ports.heading.is_new()) use_motion_capture(*ports.heading, *ports.params);
+    if (ports.now < capture_until_us_) return;
+    if (ports.mag && ports.mag.is_new()) use_magnetometer(*ports.mag, *ports.params);
+}
+
+void Attitude::use_motion_capture(const VehicleOdometry& seen, const AttitudeParams& params) {
+    const math::Quaternion<float> q_seen(seen.q[0], seen.q[1], seen.q[2], seen.q[3]);
+    const math::Matrix3<float> R_TB = inclination_.q_TB().toRotationMatrix();
+    const float level_nose = R_TB.col(0).head<2>().squaredNorm();
+    if (!math::is_finite(q_seen.squaredNorm()) || level_nose < math::square(kLeastLevelNose)) return;
+    const std::optional<float> dt = capture_clock_.advance(seen.timestamp_sample);
+    if (!dt) return;
+    if (*dt > kLongestCaptureGap) capture_gain_.restart();
+    capture_until_us_ = seen.timestamp_sample + kCaptureHold;
+    const float gain = capture_gain_.next(*dt, params.heading_time_constant);
+    const float heading_T = math::atan2(R_TB(1, 0), R_TB(0, 0));
+    const float turn = gain * heading_.error(heading_T, math::heading(q_seen));
+    heading_.turn(turn);
+    if (*dt > 0.0f) bias_.update_heading(R_TB, -turn / *dt, gain, *dt, params);
+}
+
+void Attitude::use_magnetometer(const SensorMag& sample, const AttitudeParams& params) {
+    const Vector field_B = vector(sample.xyz);
+    if (!is_finite(field_B)) return;
+    const std::optional<float> dt = mag_clock_.advance(sample.timestamp_sample);
+    if (!dt) return;
+    const Vector field_T = inclination_.q_TB() * field_B;
+    const bool moving = rate_B_.squaredNorm() > math::square(kMoving);
+    const float trust = field_.trust(field_T, moving, *dt, params);
+    const float heading_T = math::atan2(field_T.y(), field_T.x());
+    const float error = heading_.error(heading_T, params.magnetic_declination);
+    heading_.turn(mag_gain_.next(*dt, params.mag_time_constant, trust) * error);
+}
+
+}  // namespace stator

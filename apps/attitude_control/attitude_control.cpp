@@ -1,0 +1,83 @@
+// Attitude control: from an attitude setpoint to a body-rate setpoint.
+#include "attitude_control.hpp"
+
+namespace stator {
+
+using math::Quaternion;
+using math::Vector3;
+
+namespace {
+
+// Below this the thrust axis points the opposite way, and no heading is nearer than another.
+constexpr float kHeadingUndefined = 1e-6F;
+
+Quaternion<float> quaternion_of(const std::array<float, 4>& q) {
+    return {q[0], q[1], q[2], q[3]};
+}
+
+bool is_usable(const VehicleAttitudeSetpoint& setpoint) {
+    const auto& q = setpoint.q_d;
+    const auto& thrust = setpoint.thrust_body;
+    return math::is_finite(q[0] + q[1] + q[2] + q[3] + thrust[0] + thrust[1] + thrust[2] +
+                           setpoint.yaw_sp_move_rate);
+}
+
+// Level, with the heading of q_NB.
+Quaternion<float> level(const Quaternion<float>& q_NB) {
+    return math::normalized(Quaternion<float>(q_NB.w(), 0.0F, 0.0F, q_NB.z()));
+}
+
+// Twice the sines of half the error angles: tilt about x and y, then heading about z, each the
+// shorter way. Both factors of the error come in closed form.
+Vector3<float> tilt_then_yaw(const Quaternion<float>& error) {
+    const float w = error.w();
+    const float z = error.z();
+    const float cos_half_tilt = math::sqrt(w * w + z * z);
+    if (cos_half_tilt < kHeadingUndefined) return {2.0F * error.x(), 2.0F * error.y(), 0.0F};
+    const float scale = 2.0F / cos_half_tilt;
+    return {scale * (w * error.x() - z * error.y()), scale * (w * error.y() + z * error.x()),
+            scale * (w < 0.0F ? -z : z)};
+}
+
+// The local down axis in B: the last row of R_NB.
+Vector3<float> down_B(const Quaternion<float>& q) {
+    return {2.0F * (q.x() * q.z() - q.w() * q.y()), 2.0F * (q.y() * q.z() + q.w() * q.x()),
+            1.0F - 2.0F * (q.x() * q.x() + q.y() * q.y())};
+}
+
+}  // namespace
+
+Vector3<float> AttitudeControl::rates_setpoint(const AttitudeControlPorts& ports) {
+    const Quaternion<float> q_NB = quaternion_of(ports.attitude->q);
+    Quaternion<float> wanted = level(q_NB);
+    float yaw_rate = 0.0F;
+    if (ports.setpoint && is_usable(*ports.setpoint)) {
+        wanted = quaternion_of(ports.setpoint->q_d);
+        yaw_rate = ports.setpoint->yaw_sp_move_rate;
+        thrust_body_ = ports.setpoint->thrust_body;
+        has_setpoint_ = true;
+    }
+    if (!has_setpoint_) return Vector3<float>::Zero();
+
+    const AttitudeControlParams& params = *ports.params;
+    const Vector3<float> gain(params.tilt_p, params.tilt_p, params.yaw_p);
+    const Vector3<float> limit(params.roll_rate_limit, params.pitch_rate_limit,
+                               params.yaw_rate_limit);
+    Vector3<float> rates = gain.cwiseProduct(tilt_then_yaw(q_NB.conjugate() * wanted));
+    rates += yaw_rate * down_B(q_NB);
+    for (int i = 0; i < 3; ++i) rates[i] = math::clamp(rates[i], -limit[i], limit[i]);
+    return rates;
+}
+
+void AttitudeControl::step(AttitudeControlPorts& ports) {
+    if (!ports.attitude) return;
+    const Vector3<float> rates = rates_setpoint(ports);
+    ports.rates.publish([&] {
+        return VehicleRatesSetpoint{.roll = rates.x(),
+                                    .pitch = rates.y(),
+                                    .yaw = rates.z(),
+                                    .thrust_body = thrust_body_};
+    });
+}
+
+}  // namespace stator

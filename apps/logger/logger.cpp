@@ -1,0 +1,183 @@
+#include "logger.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace stator {
+
+namespace {
+
+// "ULog", 0x01 0x12 0x35, version 1, then the start time: 0, as the clock counts from boot.
+constexpr std::array<uint8_t, 16> kHeader{0x55, 0x4C, 0x6F, 0x67, 0x01, 0x12, 0x35, 0x01};
+constexpr size_t kFlagBytes = 40;
+constexpr uint32_t kCanonicalNan = 0x7FC00000;
+constexpr uint64_t kCanonicalNanDouble = 0x7FF8000000000000;
+
+uint16_t text_bytes(const char* text) { return static_cast<uint16_t>(std::strlen(text)); }
+
+// Replaces any NaN of `Bits`-wide numbers by the canonical one: sign and payload of a NaN differ
+// between machines. `exponent` has the bits that are all ones in infinities and NaNs.
+template <class Bits>
+void canonicalise(std::byte* numbers, size_t count, Bits exponent, Bits canonical) {
+    for (size_t i = 0; i < count; ++i, numbers += sizeof(Bits)) {
+        Bits bits = 0;
+        std::memcpy(&bits, numbers, sizeof bits);
+        const Bits magnitude = bits & (static_cast<Bits>(~Bits{0}) >> 1);
+        if (magnitude > exponent) std::memcpy(numbers, &canonical, sizeof canonical);
+    }
+}
+
+void canonicalise(std::byte* sample, const LogFloats& floats) {
+    std::byte* numbers = sample + floats.offset;
+    if (floats.bytes == sizeof(uint32_t)) {
+        canonicalise<uint32_t>(numbers, floats.count, 0x7F800000, kCanonicalNan);
+    } else {
+        canonicalise<uint64_t>(numbers, floats.count, 0x7FF0000000000000, kCanonicalNanDouble);
+    }
+}
+
+}  // namespace
+
+void Logger::step(LoggerPorts& ports) {
+    if (!defined_) write_definitions(ports);
+    defined_ = true;
+    write_samples(ports);
+    if (ports.now - flushed_us_ >= kFlushInterval_us) flush(ports);
+    previous_us_ = ports.now;
+}
+
+void Logger::write_definitions(LoggerPorts& ports) {
+    const LogTable& table = *ports.log;
+    write(ports, kHeader.data(), kHeader.size());
+    const std::array<std::byte, kFlagBytes> flags{};
+    begin(ports, 'B', flags.size());
+    write(ports, flags.data(), flags.size());
+    write_info(ports, "sys_name", "Stator");
+    write_info(ports, "ver_sw", table.graph_hash);
+    write_info(ports, "graph", table.graph);
+    for (uint32_t i = 0; i < table.topic_count; ++i) write_format(ports, table.topics[i]);
+    for (uint32_t i = 0; i < table.parameter_count; ++i) {
+        write_parameter(ports, table.parameters[i]);
+    }
+    for (uint16_t id = 0; id < table.topic_count; ++id) {
+        const char* name = table.topics[id].name;
+        begin(ports, 'A', 1 + sizeof id + text_bytes(name));
+        write(ports, "\0", 1);  // multi_id
+        write(ports, &id, sizeof id);
+        write_text(ports, name);
+    }
+}
+
+void Logger::write_info(LoggerPorts& ports, const char* key, const char* text) {
+    // "char[N] key" with N in decimal.
+    std::array<char, 8> size{};
+    size_t digits = 0;
+    for (size_t rest = text_bytes(text); rest != 0 || digits == 0; rest /= 10) {
+        size[digits++] = static_cast<char>('0' + rest % 10);
+    }
+    std::reverse(size.begin(), size.begin() + static_cast<ptrdiff_t>(digits));
+    const size_t key_bytes = 5 + digits + 2 + text_bytes(key);
+    begin(ports, 'I', 1 + key_bytes + text_bytes(text));
+    const auto length = static_cast<uint8_t>(key_bytes);
+    write(ports, &length, 1);
+    write_text(ports, "char[");
+    write(ports, size.data(), digits);
+    write_text(ports, "] ");
+    write_text(ports, key);
+    write_text(ports, text);
+}
+
+void Logger::write_format(LoggerPorts& ports, const LogTopic& row) {
+    begin(ports, 'F', text_bytes(row.name) + 1U + text_bytes(row.format));
+    write_text(ports, row.name);
+    write_text(ports, ":");
+    write_text(ports, row.format);
+}
+
+void Logger::write_parameter(LoggerPorts& ports, const LogParameter& parameter) {
+    const char* type = parameter.is_float ? "float " : "int32_t ";
+    const size_t key_bytes = size_t{text_bytes(type)} + text_bytes(parameter.name);
+    begin(ports, 'P', 1 + key_bytes + 4);
+    const auto length = static_cast<uint8_t>(key_bytes);
+    write(ports, &length, 1);
+    write_text(ports, type);
+    write_text(ports, parameter.name);
+    if (parameter.is_float) {
+        write(ports, &parameter.float_value, sizeof parameter.float_value);
+    } else {
+        write(ports, &parameter.int32_value, sizeof parameter.int32_value);
+    }
+}
+
+void Logger::write_samples(LoggerPorts& ports) {
+    const LogTable& table = *ports.log;
+    uint32_t lost = 0;
+    for (uint16_t id = 0; id < table.topic_count; ++id) {
+        const LogTopic& row = table.topics[id];
+        Pin pin;
+        while (take_logged(row, ports.now, pin)) {
+            const auto* samples = static_cast<const std::byte*>(row.topic->samples);
+            write_sample(ports, row, id, samples + size_t{pin.slot} * row.topic->sample_bytes);
+            release(*row.topic, pin);
+        }
+        lost += row.cursor->lost;
+    }
+    if (lost != lost_) write_dropout(ports, ports.now - previous_us_);
+    lost_ = lost;
+}
+
+void Logger::write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id,
+                          const std::byte* sample) {
+    const size_t bytes = row.topic->sample_bytes;
+    begin(ports, 'D', sizeof id + bytes);
+    write(ports, &id, sizeof id);
+    std::byte* copy = block_ + used_;  // `begin` made room for the whole sample
+    write(ports, sample, bytes);
+    for (uint16_t i = 0; i < row.float_count; ++i) canonicalise(copy, row.floats[i]);
+}
+
+void Logger::write_dropout(LoggerPorts& ports, uint64_t duration_us) {
+    const auto duration_ms = static_cast<uint16_t>(std::min<uint64_t>(duration_us / 1000, 65535));
+    begin(ports, 'O', sizeof duration_ms);
+    write(ports, &duration_ms, sizeof duration_ms);
+}
+
+void Logger::begin(LoggerPorts& ports, char type, size_t bytes) {
+    const auto size = static_cast<uint16_t>(bytes);
+    // A message starts in a block that holds it whole if any does, so that NaNs can be replaced in
+    // place and a lost block costs whole messages only.
+    if (used_ + sizeof size + 1 + bytes > kBlockBytes) flush(ports);
+    write(ports, &size, sizeof size);
+    write(ports, &type, 1);
+}
+
+void Logger::write(LoggerPorts& ports, const void* bytes, size_t count) {
+    const auto* from = static_cast<const std::byte*>(bytes);
+    while (count != 0) {
+        if (used_ == kBlockBytes) flush(ports);
+        const size_t fits = std::min(count, kBlockBytes - used_);
+        std::memcpy(block_ + used_, from, fits);
+        used_ += fits;
+        from += fits;
+        count -= fits;
+    }
+}
+
+void Logger::write_text(LoggerPorts& ports, const char* text) {
+    write(ports, text, text_bytes(text));
+}
+
+void Logger::flush(LoggerPorts& ports) {
+    flushed_us_ = ports.now;
+    if (used_ == 0) return;
+    ports.block.publish([&] {
+        LogBlock block{};
+        block.length = static_cast<uint32_t>(used_);
+        std::memcpy(block.data.data(), block_, used_);
+        return block;
+    });
+    used_ = 0;
+}
+
+}  // namespace stator

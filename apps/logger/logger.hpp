@@ -1,0 +1,42 @@
+// The flight log as ULog v1 (docs.px4.io, "ULog File Format"): definitions first, then samples.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "logger_ports.hpp"
+
+namespace stator {
+
+// Collects log messages into blocks and publishes each block when it is full; what is left is
+// published at the end of every activation in which time came to flush it.
+class Logger {
+  public:
+    void step(LoggerPorts& ports);
+
+  private:
+    static constexpr size_t kBlockBytes = sizeof(LogBlock::data);
+    static constexpr uint64_t kFlushInterval_us = 100'000;
+
+    void write_definitions(LoggerPorts& ports);
+    void write_format(LoggerPorts& ports, const LogTopic& row);
+    void write_parameter(LoggerPorts& ports, const LogParameter& parameter);
+    void write_info(LoggerPorts& ports, const char* key, const char* text);
+    void write_samples(LoggerPorts& ports);
+    void write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id, const std::byte* sample);
+    void write_dropout(LoggerPorts& ports, uint64_t duration_us);
+
+    void begin(LoggerPorts& ports, char type, size_t bytes);
+    void write(LoggerPorts& ports, const void* bytes, size_t count);
+    void write_text(LoggerPorts& ports, const char* text);
+    void flush(LoggerPorts& ports);
+
+    bool defined_ = false;
+    size_t used_ = 0;
+    uint64_t flushed_us_ = 0;
+    uint32_t lost_ = 0;
+    uint64_t previous_us_ = 0;
+    std::byte block_[kBlockBytes]{};
+};
+
+}  // namespace stator

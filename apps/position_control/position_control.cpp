@@ -1,0 +1,118 @@
+// Position and velocity control: from a trajectory setpoint to an attitude setpoint.
+#include "position_control.hpp"
+
+namespace stator {
+
+using math::Quaternion;
+using math::Vector3;
+
+namespace {
+
+constexpr float kNaN = math::canonical_nan<float>();
+constexpr float kShortestStep = 1e-3F;
+constexpr float kLongestStep = 0.1F;
+constexpr uint64_t kPositionLost_us = 300'000;
+
+// A horizontal and a vertical value as a vector of N.
+Vector3<float> per_axis(float horizontal, float vertical) {
+    return {horizontal, horizontal, vertical};
+}
+
+MotionEstimate estimate_of(const VehicleLocalPosition& position) {
+    MotionEstimate estimate{{position.x, position.y, position.z},
+                            {position.vx, position.vy, position.vz}};
+    if (!position.xy_valid) estimate.position_N.head<2>().setConstant(kNaN);
+    if (!position.z_valid) estimate.position_N.z() = kNaN;
+    if (!position.v_xy_valid) estimate.velocity_N.head<2>().setConstant(kNaN);
+    if (!position.v_z_valid) estimate.velocity_N.z() = kNaN;
+    return estimate;
+}
+
+constexpr TrajectorySetpoint kStandStill{.timestamp = 0,
+                                         .position = {kNaN, kNaN, kNaN},
+                                         .velocity = {},
+                                         .acceleration = {},
+                                         .yaw = kNaN,
+                                         .yawspeed = 0.0F};
+
+bool is_armed(const PositionControlPorts& ports) {
+    return ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
+}
+
+void publish_attitude(PositionControlPorts& ports, const Vector3<float>& thrust_N, float yaw,
+                      float yaw_rate) {
+    const Vector3<float> down_B = -thrust_N;  // the body's z axis in N; level without thrust
+    const Quaternion<float> q = math::from_body_z_and_yaw(down_B, yaw);
+    const float thrust = math::norm(thrust_N);
+    ports.attitude_setpoint.publish([&] {
+        return VehicleAttitudeSetpoint{.yaw_sp_move_rate = yaw_rate,
+                                       .q_d = {q.w(), q.x(), q.y(), q.z()},
+                                       .thrust_body = {0.0F, 0.0F, -thrust}};
+    });
+}
+
+}  // namespace
+
+void PositionControl::configure(const PositionControlParams& p) {
+    motion_.set_gains(
+        {.position_p = per_axis(p.horizontal_p, p.vertical_p),
+         .velocity_p = per_axis(p.horizontal_velocity_p, p.vertical_velocity_p),
+         .velocity_i = per_axis(p.horizontal_velocity_i, p.vertical_velocity_i),
+         .velocity_d = per_axis(p.horizontal_velocity_d, p.vertical_velocity_d),
+         .derivative_cutoff = math::kTwoPi<float> * p.derivative_cutoff,
+         .integral_limit = p.integral_limit});
+    motion_.set_limits({.horizontal_speed = p.horizontal_speed_limit,
+                        .climb = p.climb_limit,
+                        .descent = p.descent_limit,
+                        .tan_tilt = math::tan(p.tilt_limit),
+                        .thrust_min = p.thrust_min,
+                        .hover_thrust = p.hover_thrust,
+                        .blind_sink = p.blind_sink});
+}
+
+// False while there is nothing to act on: no position now, and none is missed yet.
+bool PositionControl::take_position(const PositionControlPorts& ports) {
+    if (ports.position) {
+        estimate_ = estimate_of(*ports.position);
+        if (math::is_finite(ports.position->heading)) heading_ = ports.position->heading;
+        last_position_us_ = ports.now;
+        return true;
+    }
+    if (ports.now - last_position_us_ < kPositionLost_us) return false;
+    estimate_ = {per_axis(kNaN, kNaN), per_axis(kNaN, kNaN)};
+    return true;
+}
+
+float PositionControl::seconds_since_last(uint64_t timestamp_us) {
+    const auto elapsed_us = static_cast<int32_t>(timestamp_us - last_us_);
+    last_us_ = timestamp_us;
+    return math::clamp(static_cast<float>(elapsed_us) * 1e-6F, kShortestStep, kLongestStep);
+}
+
+// Rises from nothing after arming, so that the motors do not jump to hover.
+float PositionControl::thrust_max(const PositionControlParams& params, float dt) {
+    armed_for_s_ = math::min(armed_for_s_ + dt, params.spool_up_time);
+    return params.thrust_max * armed_for_s_ / params.spool_up_time;
+}
+
+void PositionControl::step(PositionControlPorts& ports) {
+    const PositionControlParams& params = *ports.params;
+    if (ports.params.is_new()) configure(params);
+    if (!take_position(ports)) return;
+    const float dt =
+        seconds_since_last(ports.position ? ports.position->timestamp_sample : ports.now);
+    if (!is_armed(ports)) {
+        motion_.reset();
+        armed_for_s_ = 0.0F;
+        publish_attitude(ports, Vector3<float>::Zero(), heading_, 0.0F);
+        return;
+    }
+    const TrajectorySetpoint& setpoint = ports.setpoint ? *ports.setpoint : kStandStill;
+    const float most = thrust_max(params, dt);
+    const Vector3<float> thrust_N = motion_.update(estimate_, setpoint, dt, most);
+    const float yaw = math::is_finite(setpoint.yaw) ? setpoint.yaw : heading_;
+    const float yaw_rate = math::is_finite(setpoint.yawspeed) ? setpoint.yawspeed : 0.0F;
+    publish_attitude(ports, thrust_N, yaw, yaw_rate);
+}
+
+}  // namespace stator

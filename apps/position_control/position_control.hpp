@@ -1,0 +1,32 @@
+// Position and velocity control: a trajectory in, an attitude and thrust for attitude_control out.
+#pragma once
+
+#include <cstdint>
+
+#include "motion.hpp"
+#include "position_control_ports.hpp"
+
+namespace stator {
+
+// Runs with every position estimate. Disarmed, or without a status, it wants level and no thrust.
+// Without a setpoint it stands still. Without a position, if something else activates it, it waits
+// a moment, then sinks level; so it does axis by axis with what the estimate calls invalid.
+class PositionControl {
+  public:
+    void step(PositionControlPorts& ports);
+
+  private:
+    void configure(const PositionControlParams& params);
+    bool take_position(const PositionControlPorts& ports);
+    float seconds_since_last(uint64_t timestamp_us);
+    float thrust_max(const PositionControlParams& params, float dt);
+
+    Motion motion_;
+    MotionEstimate estimate_{};
+    float heading_ = 0.0F;
+    float armed_for_s_ = 0.0F;
+    uint64_t last_us_ = 0;           // time that the latest step was for
+    uint64_t last_position_us_ = 0;  // `now` of the latest position
+};
+
+}  // namespace stator

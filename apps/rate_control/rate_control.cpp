@@ -1,0 +1,79 @@
+// Body-rate control, the innermost loop.
+#include "rate_control.hpp"
+
+namespace stator {
+
+using math::Vector3;
+
+namespace {
+
+// Between gyro samples; a gap or a repeated time stamp must not turn into a kick.
+constexpr float kShortestStep = 125e-6F;
+constexpr float kLongestStep = 20e-3F;
+
+Vector3<float> finite_or_zero(float x, float y, float z) {
+    const Vector3<float> v(x, y, z);
+    return math::is_finite(v.sum()) ? v : Vector3<float>::Zero();
+}
+
+RateGains gains_of(const RateControlParams& params) {
+    return {.p = {params.roll_p, params.pitch_p, params.yaw_p},
+            .i = {params.roll_i, params.pitch_i, params.yaw_i},
+            .d = {params.roll_d, params.pitch_d, params.yaw_d},
+            .integral_limit = params.integral_limit,
+            .derivative_cutoff = math::kTwoPi<float> * params.derivative_cutoff};
+}
+
+}  // namespace
+
+float RateControl::seconds_since_last(uint64_t timestamp_sample) {
+    const auto elapsed_us = static_cast<int32_t>(timestamp_sample - last_sample_us_);
+    last_sample_us_ = timestamp_sample;
+    return math::clamp(static_cast<float>(elapsed_us) * 1e-6F, kShortestStep, kLongestStep);
+}
+
+void RateControl::take_setpoint(const VehicleRatesSetpoint& setpoint) {
+    setpoint_ = finite_or_zero(setpoint.roll, setpoint.pitch, setpoint.yaw);
+    const auto& thrust = setpoint.thrust_body;
+    thrust_ = finite_or_zero(thrust[0], thrust[1], thrust[2]);
+}
+
+// While the vehicle stands on the ground, which holds it, an integral would only wind up.
+bool RateControl::may_integrate(const RateControlPorts& ports) {
+    const bool disarmed =
+        ports.status && ports.status->arming_state != VehicleStatus::ArmingState::kArmed;
+    if (disarmed) pid_.reset_integral();
+    return !disarmed && -thrust_.z() >= integrate_from_;
+}
+
+void RateControl::step(RateControlPorts& ports) {
+    if (!ports.gyro) return;
+    if (ports.params.is_new()) {
+        pid_.set_gains(gains_of(*ports.params));
+        integrate_from_ = ports.params->integrate_from;
+    }
+    const Vector3<float> rate(ports.gyro->xyz.data());
+    if (!math::is_finite(rate.sum())) return;
+    if (ports.setpoint) {
+        take_setpoint(*ports.setpoint);
+    } else {
+        setpoint_.setZero();
+    }
+
+    const float dt = seconds_since_last(ports.gyro->timestamp_sample);
+    const bool integrate = may_integrate(ports);
+    const Vector3<float> torque = pid_.update(rate, setpoint_, dt, integrate);
+
+    const uint64_t timestamp_sample = ports.gyro->timestamp_sample;
+    // Torque activates allocation, so thrust goes first.
+    ports.thrust.publish([&] {
+        return VehicleThrustSetpoint{.timestamp_sample = timestamp_sample,
+                                     .xyz = {thrust_.x(), thrust_.y(), thrust_.z()}};
+    });
+    ports.torque.publish([&] {
+        return VehicleTorqueSetpoint{.timestamp_sample = timestamp_sample,
+                                     .xyz = {torque.x(), torque.y(), torque.z()}};
+    });
+}
+
+}  // namespace stator

@@ -1,0 +1,59 @@
+// A flight from parameters: arms, takes off, hovers, lands, disarms. Source of the trajectory that
+// position_control follows.
+#pragma once
+
+#include <cstdint>
+
+#include "sequence_ports.hpp"
+#include "straight_leg.hpp"
+
+namespace stator {
+
+// Runs at a fixed period. Waits for a position before it arms. Where the position goes bad on the
+// ground it disarms and waits again; in flight it lands: straight down while there is a position,
+// by velocity alone while there is none. Once disarmed after a landing it stays so.
+class Sequence {
+  public:
+    void step(SequencePorts& ports);
+
+  private:
+    enum class Phase { kWait, kSpoolUp, kClimb, kApproach, kHover, kLand, kDone };
+
+    float seconds_since_last(uint64_t now_us);
+    void take_position(const SequencePorts& ports, float dt);
+    void begin(Phase phase);
+    void begin_landing(const SequenceParams& params);
+    void advance(const SequenceParams& params, float dt);
+    void wait(const SequenceParams& params);
+    void spool_up(const SequenceParams& params);
+    void climb(const SequenceParams& params, float dt);
+    void approach(const SequenceParams& params, float dt);
+    void land(const SequenceParams& params, float dt);
+    void turn(const SequenceParams& params, float dt);
+    bool has_touched_down(float dt);
+    bool position_is_lost() const;
+
+    TrajectorySetpoint setpoint(const SequenceParams& params) const;
+    VehicleStatus status() const;
+
+    Phase phase_ = Phase::kWait;
+    float in_phase_s_ = 0.0F;
+    StraightLeg leg_;
+    float yaw_ = 0.0F;  // wanted
+    float yaw_rate_ = 0.0F;
+
+    // The newest good position.
+    math::Vector3<float> position_N_ = math::Vector3<float>::Zero();
+    float down_speed_ = 0.0F;
+    float heading_ = 0.0F;
+    float good_for_s_ = 0.0F;
+    float bad_for_s_ = 0.0F;
+
+    float ground_z_ = 0.0F;
+    bool is_blind_ = false;  // lands without position
+    float blind_left_s_ = 0.0F;
+    float still_for_s_ = 0.0F;
+    uint64_t last_us_ = 0;
+};
+
+}  // namespace stator

@@ -1,0 +1,81 @@
+// Ties the simulated world to virtual time and to the devices that drivers see.
+#include "board.hpp"
+
+#include <optional>
+
+#include "truth.hpp"
+
+namespace stator::board {
+
+ImuSim::Device imu0;
+Line imu0_data_ready;
+MocapSim::Device mocap0;
+Line mocap0_received;
+MotorSim::Device motors;
+StorageFile::Device log_storage;
+
+namespace {
+
+std::optional<World> the_world;
+std::FILE* truth_file = nullptr;
+bool truth_was_written = true;
+
+std::array<float, 3> to_array(const Vector3f& v) {
+    return {v.x(), v.y(), v.z()};
+}
+
+// The register write of the motor driver. Time may have passed since the newest event.
+void write_motors(const MotorSim::Control& control) {
+    the_world->command_motors(executor.now_us, {control[0], control[1], control[2], control[3]});
+}
+
+void hand_over(const World::Event& event, std::uint64_t now_us) {
+    if (event.imu_sampled) {
+        imu0 = {.timestamp_sample = now_us,
+                .gyro_B = to_array(event.imu.gyro_B),
+                .accel_B = to_array(event.imu.accel_B)};
+        imu0_data_ready.raise();
+    }
+    if (event.mocap_received) {
+        mocap0 = {.timestamp_sample = event.mocap.time_us,
+                  .position_N = to_array(event.mocap.position_N),
+                  .yaw = event.mocap.yaw};
+        mocap0_received.raise();
+    }
+}
+
+void record_truth() {
+    const Plant& plant = the_world->plant();
+    if (truth_file == nullptr || plant.time_us() % kTruthPeriod_us != 0) return;
+    truth_was_written = write_truth(truth_file, plant) && truth_was_written;
+}
+
+}  // namespace
+
+void prepare(std::uint64_t seed, std::FILE* truth) {
+    the_world.emplace(seed);
+    truth_file = truth;
+    motors.write = write_motors;
+}
+
+const World& world() {
+    return *the_world;
+}
+bool truth_is_whole() {
+    return truth_was_written;
+}
+
+std::uint64_t next_event_us() {
+    return the_world->next_event_us();
+}
+
+void advance(std::uint64_t now_us) {
+    while (the_world->next_event_us() <= now_us) {
+        const World::Event event = the_world->move_to_next_event();
+        hand_over(event, the_world->plant().time_us());
+        record_truth();
+    }
+    if (the_world->is_over()) stop();
+}
+
+}  // namespace stator::board

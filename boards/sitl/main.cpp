@@ -1,0 +1,93 @@
+// Flies the graph that was built for this board once, and prints facts of the run as JSON.
+//
+// Exit status: 0 the run ended, whatever became of the vehicle; 1 a file could not be written
+// whole; 2 a wrong argument, or a file that cannot be opened.
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+
+#include "board.hpp"
+#include "options.hpp"
+
+namespace {
+
+using namespace stator;
+
+// Most time that each preemption point takes with `--times random`: jobs overlap, and the machine
+// is busy for about half of the time.
+constexpr std::uint32_t kMostRandomTime_us = 2;
+
+struct Run {
+    double wall_s = 0.0;
+    std::uint64_t activations = 0;
+    std::uint64_t lost_samples = 0;
+};
+
+[[nodiscard]] bool open(const char* path, std::FILE*& file) {
+    if (path == nullptr) return true;
+    file = std::fopen(path, "wb");
+    if (file != nullptr) return true;
+    std::fprintf(stderr, "error: cannot open '%s': %s\n", path, std::strerror(errno));
+    return false;
+}
+
+[[nodiscard]] bool close(const char* path, std::FILE* file, bool is_whole) {
+    if (file == nullptr) return true;
+    if (std::fclose(file) == 0 && is_whole) return true;
+    std::fprintf(stderr, "error: could not write all of '%s'\n", path);
+    return false;
+}
+
+double seconds(std::uint64_t time_us) {
+    return static_cast<double>(time_us) * 1e-6;
+}
+
+Run run(const board::Options& options) {
+    // The host's clock is for the report only; nothing that is logged may depend on it.
+    const auto begin = std::chrono::steady_clock::now();
+    start();
+    if (options.random_times) use_random_times({options.seed, kMostRandomTime_us});
+    run_until(options.duration_us);
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+    Run result{.wall_s = wall.count()};
+    for (unsigned i = 0; i < program.task_count; ++i) {
+        result.activations += program.tasks[i].counters->activations;
+        result.lost_samples += program.tasks[i].counters->lost_samples;
+    }
+    return result;
+}
+
+// One line of JSON.
+void print(const Run& run) {
+    const board::World& world = board::world();
+    std::printf("{\"ended\": \"%s\", \"simulated_s\": %.6f, \"wall_s\": %.6f",
+                world.is_over() ? "motors_stopped" : "time_limit", seconds(world.plant().time_us()),
+                run.wall_s);
+    std::printf(", \"activations\": %llu, \"lost_samples\": %llu",
+                static_cast<unsigned long long>(run.activations),
+                static_cast<unsigned long long>(run.lost_samples));
+    if (const auto take_off_us = world.watch().take_off_us()) {
+        std::printf(", \"take_off_s\": %.6f", seconds(*take_off_us));
+    }
+    if (const auto touchdown = world.watch().touchdown()) {
+        std::printf(", \"touchdown_s\": %.6f, \"touchdown_m_s\": %.6f", seconds(touchdown->time_us),
+                    touchdown->speed);
+    }
+    std::puts("}");
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    board::Options options;
+    std::FILE* truth = nullptr;
+    if (!board::parse(count, arguments, options)) return 2;
+    if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
+    board::prepare(options.seed, truth);
+    print(run(options));
+    const bool log_written =
+        close(options.log, board::log_storage.file, board::log_storage.errors == 0);
+    const bool truth_written = close(options.truth, truth, board::truth_is_whole());
+    return log_written && truth_written ? 0 : 1;
+}

@@ -1,0 +1,74 @@
+// The command line of a simulated flight.
+#include "options.hpp"
+
+#include <charconv>
+#include <cstdio>
+#include <string_view>
+
+#include "stator/scalar.hpp"
+
+namespace stator::board {
+
+namespace {
+
+constexpr double kLongest_s = 1e6;  // 11 days
+
+bool refuse(const char* option, const char* value, const char* wanted) {
+    std::fprintf(stderr, "error: %s '%s': wanted is %s\n", option, value, wanted);
+    return false;
+}
+
+template <class Number>
+bool read_number(std::string_view text, Number& number) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc{} && end == text.data() + text.size();
+}
+
+bool read_duration(const char* text, std::uint64_t& duration_us) {
+    double seconds = 0.0;
+    if (!read_number(text, seconds) || !(seconds > 0.0 && seconds <= kLongest_s)) {
+        return refuse("--duration", text, "a number of seconds, above 0 and at most 1000000");
+    }
+    duration_us = math::saturate<std::uint64_t>(math::round(seconds * 1e6));
+    return true;
+}
+
+bool read_times(const char* text, bool& random_times) {
+    const std::string_view value = text;
+    if (value != "zero" && value != "random") {
+        return refuse("--times", text, "zero or random");
+    }
+    random_times = value == "random";
+    return true;
+}
+
+bool read_value(std::string_view option, const char* value, Options& options) {
+    if (option == "--log" || option == "--truth") {
+        (option == "--log" ? options.log : options.truth) = value;
+        return true;
+    }
+    if (option == "--seed") {
+        return read_number(value, options.seed) ||
+               refuse("--seed", value, "a whole number from 0 to 18446744073709551615");
+    }
+    if (option == "--duration") return read_duration(value, options.duration_us);
+    if (option == "--times") return read_times(value, options.random_times);
+    std::fprintf(stderr,
+                 "error: unknown argument '%s': known are --log FILE, --truth FILE, --seed N, "
+                 "--duration SECONDS, --times zero|random\n",
+                 option.data());
+    return false;
+}
+
+}  // namespace
+
+bool parse(int count, const char* const* arguments, Options& options) {
+    for (int i = 1; i < count; i += 2) {
+        // Past the last argument stands a null pointer.
+        const char* const value = i + 1 < count ? arguments[i + 1] : "";
+        if (!read_value(arguments[i], value, options)) return false;
+    }
+    return true;
+}
+
+}  // namespace stator::board

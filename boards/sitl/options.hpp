@@ -1,0 +1,19 @@
+// The command line of a simulated flight.
+#pragma once
+
+#include <cstdint>
+
+namespace stator::board {
+
+struct Options {
+    const char* log = nullptr;    // file for the flight log; none: no log
+    const char* truth = nullptr;  // file for the true flight; none: no truth
+    std::uint64_t seed = 1;
+    std::uint64_t duration_us = 120'000'000;  // at most
+    bool random_times = false;
+};
+
+// False after one line on the standard error output that says what is wrong.
+[[nodiscard]] bool parse(int count, const char* const* arguments, Options& options);
+
+}  // namespace stator::board

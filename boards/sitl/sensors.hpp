@@ -1,0 +1,83 @@
+// What the simulated sensors make of the truth: bias, noise, vibration, delay, resolution.
+#pragma once
+
+#include "plant.hpp"
+#include "stator/random.hpp"
+
+namespace stator::board {
+
+using Vector3f = math::Vector3<float>;
+
+// Streams of random numbers of one seed: a sensor that is added or changed leaves the others'
+// alone.
+enum class Stream : std::uint64_t { kStart = 0, kImu = 1, kMocap = 2 };
+
+// An MPU-6000, after the calibration that every vehicle gets. PS is its Product Specification,
+// PS-MPU-6000A rev. 3.4.
+struct ImuParameters {
+    std::uint64_t period_us = 1000;
+    // White noise at 1 kHz: density times the square root of 500 Hz, the band up to Nyquist.
+    float gyro_noise = 0.00195f;  // rad/s: 0.005 deg/s/sqrt(Hz), PS 6.1
+    float accel_noise = 0.0877f;  // m/s^2: 400 ug/sqrt(Hz), PS 6.2
+    // Standard deviations of what is left after calibration, drawn once a flight. Gyro: 0.6 deg/s
+    // of its 20 deg/s. Accelerometer: 3 mg, what 6 degC of warming make of a zero point that moves
+    // 35 mg over 0 to 70 degC (PS 6.2).
+    float gyro_bias = 0.01f;   // rad/s
+    float accel_bias = 0.03f;  // m/s^2
+    // Vibration when all rotors turn at hover speed; goes with the square of a rotor's speed. In
+    // flight records noise is 10 to 50 times the data sheet's; this makes 20 (gyro) and 12 (accel).
+    float gyro_shake = 0.03f;       // rad/s, white
+    float accel_shake = 0.8f;       // m/s^2, white
+    float gyro_imbalance = 0.015f;  // rad/s, amplitude of each rotor's line
+    float accel_imbalance = 0.5f;   // m/s^2, amplitude of each rotor's line
+    // Resolution and range of 16 bits, PS 6.1 and 6.2.
+    float gyro_steps = 939.6507f;   // 1/(rad/s): 16.4 in 1 deg/s, to 2000 deg/s
+    float accel_steps = 208.8372f;  // 1/(m/s^2): 2048 in 1 g, to 16 g
+};
+
+struct ImuSample {
+    Vector3f gyro_B;
+    Vector3f accel_B;
+};
+
+class Imu {
+  public:
+    Imu(const ImuParameters& parameters, std::uint64_t seed);
+    // To be called once each period.
+    ImuSample measure(const Plant& plant);
+
+  private:
+    Vector3f rotor_lines(const Plant& plant);
+
+    ImuParameters parameters_;
+    math::Random random_;
+    Vector3f gyro_bias_;
+    Vector3f accel_bias_;
+    std::array<double, kRotors> rotor_angles_{};  // rad
+};
+
+// Cameras in a laboratory that see markers on the vehicle. Position and heading only.
+struct MocapParameters {
+    std::uint64_t period_us = 10000;
+    std::uint64_t delay_us = 5000;  // from picture to arrival, below the period
+    float position_noise = 0.001f;  // m
+    float yaw_noise = 0.0035f;      // rad, 0.2 deg: millimetres over an airframe's half metre
+};
+
+struct MocapSample {
+    std::uint64_t time_us = 0;
+    Vector3f position_N = Vector3f::Zero();
+    float yaw = 0.0f;
+};
+
+class Mocap {
+  public:
+    Mocap(const MocapParameters& parameters, std::uint64_t seed);
+    MocapSample measure(const Plant& plant);
+
+  private:
+    MocapParameters parameters_;
+    math::Random random_;
+};
+
+}  // namespace stator::board

@@ -1,0 +1,200 @@
+"""Installs what `./stator` found missing: Debian packages, and the Python environment (.venv).
+
+Standard library only, since it runs before anything is installed. Arguments: the stamp's first
+line, then the missing packages.
+"""
+
+import fcntl
+import importlib.util
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import IO
+
+ROOT = Path(__file__).resolve().parent.parent
+ENVIRONMENT = ROOT / ".venv"
+REQUIREMENTS = ROOT / "requirements.txt"
+LOG = ROOT / "build" / "setup.log"
+# Set by some users for other projects; here they would put the packages elsewhere.
+UNWANTED_VARIABLES = ("PIP_TARGET", "PIP_PREFIX", "PIP_USER")
+
+
+class SetUpError(Exception):
+    """What could not be installed and why, and the commands that do it by hand."""
+
+    def __init__(self, reason: str, by_hand: list[str]) -> None:
+        super().__init__(reason)
+        self.by_hand = by_hand
+
+
+def say(text: str) -> None:
+    print(f"stator: {text}", file=sys.stderr, flush=True)
+
+
+def shell(*words: str | Path) -> str:
+    return shlex.join(str(word) for word in words)
+
+
+def run(lock: IO[str], *command: str | Path) -> bool:
+    """Runs a command with its output in the log. It inherits the lock, so that one left behind by a
+    killed set-up keeps the next one waiting until it has ended."""
+    environment = {k: v for k, v in os.environ.items() if k not in UNWANTED_VARIABLES}
+    with LOG.open("a", encoding="utf-8") as log:
+        print(f"$ {shell(*command)}", file=log, flush=True)
+        finished = subprocess.run(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            env=environment,
+            pass_fds=(lock.fileno(),),
+            check=False,
+        )
+    return finished.returncode == 0
+
+
+def end_of_log() -> str:
+    lines = LOG.read_text(encoding="utf-8", errors="replace").splitlines()
+    return "\n".join(f"    {line}" for line in lines[-12:])
+
+
+def has_terminal() -> bool:
+    try:
+        os.close(os.open("/dev/tty", os.O_RDWR))
+    except OSError:
+        return False
+    return True
+
+
+def install_packages(lock: IO[str], packages: list[str]) -> None:
+    prefix = [] if os.geteuid() == 0 else ["sudo"]
+    update = shell(*prefix, "apt-get", "update")
+    by_hand = [update, shell(*prefix, "apt-get", "install", *packages)]
+    if shutil.which("apt-get") is None:
+        raise SetUpError(
+            "there is no apt-get here to install: " + " ".join(packages),
+            ["install what these Debian packages hold, with this system's own package manager"],
+        )
+    if prefix and shutil.which("sudo") is None:
+        raise SetUpError(
+            "neither root nor sudo is here to install: " + " ".join(packages),
+            ["as root: " + command.removeprefix("sudo ") for command in by_hand],
+        )
+    say(f"installing with apt: {' '.join(packages)}")
+    say(f"  by hand: {by_hand[1]}")
+    sudo = prefix if has_terminal() else [word for p in prefix for word in (p, "--non-interactive")]
+    apt = [*sudo, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "--yes"]
+    apt += ["-o", "DPkg::Lock::Timeout=600"]
+    install = [*apt, "install", "--no-install-recommends", *packages]
+    # Package lists are fetched only if the ones here do not do: none yet, or out of date.
+    if not (run(lock, *install) or (run(lock, *apt, "update") and run(lock, *install))):
+        raise SetUpError(f"apt-get failed; the end of {LOG}:\n{end_of_log()}", by_hand)
+
+
+def environment_is_usable(lock: IO[str]) -> bool:
+    """Whether packages can be added to the one that is there. An interrupted set-up leaves
+    `unfinished` in it; one made by hand, or of an older list of packages, has none."""
+    python = ENVIRONMENT / "bin" / "python"
+    unfinished = (ENVIRONMENT / "unfinished").exists()
+    return python.exists() and not unfinished and run(lock, python, "-I", "-m", "pip", "--version")
+
+
+def can_make_environment() -> bool:
+    importlib.invalidate_caches()
+    return importlib.util.find_spec("ensurepip") is not None
+
+
+def package_of_venv() -> str:
+    """Debian and Ubuntu split what makes an environment off into a package of its own."""
+    if sys.base_prefix != "/usr":
+        reason = f"{sys.executable} cannot make environments: it has no module ensurepip"
+        raise SetUpError(reason, ["STATOR_PYTHON=/path/to/another/python3 ./stator setup"])
+    return f"python3.{sys.version_info.minor}-venv"
+
+
+def make_environment(lock: IO[str], wanted_stamp: str, usable: bool) -> None:
+    stamp, unfinished = ENVIRONMENT / "stamp", ENVIRONMENT / "unfinished"
+    if usable and stamp.exists() and stamp.read_text(encoding="utf-8") == wanted_stamp:
+        return
+    python = ENVIRONMENT / "bin" / "python"
+    create = (sys.executable, "-I", "-m", "venv", ENVIRONMENT)
+    install = (python, "-I", "-m", "pip", "install", "--only-binary", ":all:", "-r", REQUIREMENTS)
+    by_hand = f"{shell(*create, '--clear')} && {shell(*install)}"
+    if not usable and not can_make_environment():
+        reason = "Python packages: they need an environment, which needs Python's module ensurepip"
+        raise SetUpError(reason, [by_hand])
+    say(f"installing Python packages into {ENVIRONMENT} (half a minute)")
+    say(f"  by hand: {by_hand}")
+    stamp.unlink(missing_ok=True)
+    if not usable:
+        shutil.rmtree(ENVIRONMENT, ignore_errors=True)
+        ENVIRONMENT.mkdir()
+    unfinished.touch()
+    if not ((usable or run(lock, *create)) and run(lock, *install)):
+        reason = f"Python packages: pip failed; the end of {LOG}:\n{end_of_log()}"
+        raise SetUpError(reason, [by_hand])
+    for site_packages in ENVIRONMENT.glob("lib/python*/site-packages"):
+        # Relative, so that the project can be moved, and its path may hold any character.
+        relative = os.path.relpath(ROOT / "codegen", site_packages)
+        (site_packages / "stator.pth").write_text(relative + "\n", encoding="utf-8")
+    unfinished.unlink()
+    temporary = stamp.with_suffix(".new")
+    temporary.write_text(wanted_stamp, encoding="utf-8")
+    temporary.replace(stamp)
+
+
+def lock_set_up() -> IO[str]:
+    lock = (ROOT / ".venv.lock").open("w", encoding="utf-8")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        say("waiting for another ./stator that is setting up")
+        fcntl.flock(lock, fcntl.LOCK_EX)
+    return lock
+
+
+def set_up(stamp_head: str, packages: list[str]) -> list[SetUpError]:
+    """Does all that it can, and returns what it could not do."""
+    LOG.parent.mkdir(exist_ok=True)
+    problems: list[SetUpError] = []
+    with lock_set_up() as lock:
+        LOG.write_text("", encoding="utf-8")
+        usable = environment_is_usable(lock)
+        try:
+            if not usable and not can_make_environment():
+                packages = [*packages, package_of_venv()]
+            if packages:
+                install_packages(lock, packages)
+        except SetUpError as problem:
+            problems.append(problem)
+        try:
+            stamp = f"{stamp_head}\n{REQUIREMENTS.read_text(encoding='utf-8')}"
+            make_environment(lock, stamp, usable)
+        except SetUpError as problem:
+            problems.append(problem)
+    return problems
+
+
+def main(arguments: list[str]) -> int:
+    try:
+        problems = set_up(arguments[0], arguments[1:])
+    except KeyboardInterrupt:
+        say("set-up interrupted; the next ./stator goes on with it")
+        return 130
+    except OSError as error:
+        say(f"error: cannot set up: {error}")
+        return 1
+    for problem in problems:
+        say(f"error: {problem}")
+        for command in problem.by_hand:
+            say(f"  by hand: {command}")
+    if not problems:
+        say("set-up complete")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

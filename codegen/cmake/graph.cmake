@@ -1,0 +1,70 @@
+# stator_add_graph(TARGET GRAPH BOARD): the program of a graph. The compiler runs when CMake
+# configures, and CMake configures again when a graph, an include, a template or a board changes.
+if(NOT STATOR_PYTHON)
+    set(STATOR_PYTHON "${CMAKE_SOURCE_DIR}/.venv/bin/python" CACHE FILEPATH "Stator's own Python")
+endif()
+if(NOT EXISTS "${STATOR_PYTHON}")
+    message(FATAL_ERROR "Stator's Python environment is missing; make it with: ./stator setup")
+endif()
+file(GLOB_RECURSE stator_compiler CONFIGURE_DEPENDS
+    "${CMAKE_SOURCE_DIR}/codegen/stator/*.py" "${CMAKE_SOURCE_DIR}/codegen/stator/templates/*.j2")
+set_property(DIRECTORY "${CMAKE_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${stator_compiler})
+
+# Generates the C++ of the graph and sets graph_* in the caller (codegen/stator/templates/graph.cmake.j2).
+macro(stator_generate folder graph board)
+    execute_process(
+        COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${CMAKE_SOURCE_DIR}/codegen"
+                "${STATOR_PYTHON}" -m stator gen "${graph}" --board "${board}" -o "${folder}"
+        RESULT_VARIABLE generated OUTPUT_QUIET)
+    # Watched even after an error, so that mending the graph is enough.
+    set_property(DIRECTORY "${CMAKE_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${graph}")
+    if(NOT generated EQUAL 0)
+        message(FATAL_ERROR "the graph has errors")
+    endif()
+    include("${folder}/graph.cmake")
+    set_property(DIRECTORY "${CMAKE_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${graph_inputs})
+endmacro()
+
+# Everything of the graph but its board: TARGET_generated, and a target for each app and driver.
+function(stator_add_graph_parts target graph board)
+    set(folder "${CMAKE_BINARY_DIR}/generated/${target}")
+    stator_generate("${folder}" "${graph}" "${board}")
+
+    # What apps and drivers may include: their own folder, their ports, topics, maths.
+    add_library(${target}_interfaces INTERFACE)
+    target_include_directories(${target}_interfaces INTERFACE "${folder}")
+    target_link_libraries(${target}_interfaces
+        INTERFACE stator_flags stator_core stator_math stator_${graph_executor})
+
+    set(libraries)
+    foreach(entry IN LISTS graph_libraries)
+        string(REGEX MATCH "^([^=]+)=(.*)$" matched "${entry}")
+        set(library ${target}_${CMAKE_MATCH_1})
+        set(source_folder "${CMAKE_MATCH_2}")
+        file(GLOB sources CONFIGURE_DEPENDS "${source_folder}/*.cpp")
+        if(sources)
+            add_library(${library} STATIC ${sources})
+            target_include_directories(${library} PUBLIC "${source_folder}")
+            target_link_libraries(${library} PUBLIC ${target}_interfaces)
+        else()
+            add_library(${library} INTERFACE)
+            target_include_directories(${library} INTERFACE "${source_folder}")
+            target_link_libraries(${library} INTERFACE ${target}_interfaces)
+        endif()
+        list(APPEND libraries ${library})
+    endforeach()
+
+    list(TRANSFORM graph_sources PREPEND "${folder}/")
+    add_library(${target}_generated OBJECT ${graph_sources})
+    target_include_directories(${target}_generated PRIVATE "${graph_board}")
+    target_link_libraries(${target}_generated PUBLIC ${libraries} ${target}_interfaces)
+    set(graph_board "${graph_board}" PARENT_SCOPE)
+endfunction()
+
+function(stator_add_graph target graph board)
+    stator_add_graph_parts(${target} "${graph}" "${board}")
+    file(GLOB board_sources CONFIGURE_DEPENDS "${graph_board}/*.cpp")
+    add_executable(${target} ${board_sources})
+    target_include_directories(${target} PRIVATE "${graph_board}")
+    target_link_libraries(${target} PRIVATE ${target}_generated)
+endfunction()

@@ -1,0 +1,1 @@
+"""The Stator graph compiler: load -> check -> plan -> emit."""

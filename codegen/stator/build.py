@@ -1,0 +1,54 @@
+"""Builds the executable of a graph with CMake: one build folder for each graph and board."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from stator.cli import make_plan
+from stator.library import HOME
+
+
+class BuildFailed(Exception):
+    """CMake or the compiler failed; the message is what they said."""
+
+
+def build(graph: Path, board: str | None, *, compiler: str = "", optimisation: str = "") -> Path:
+    """The executable of the graph on this board (its own if None), built anew where needed.
+
+    Raises `Failed` for an error in the graph, `BuildFailed` for one in the code.
+    """
+    plan = make_plan(str(graph), board)
+    name = f"{plan.graph.name}-{plan.board.name}"
+    variant = "".join(f"-{part}" for part in (compiler, optimisation.strip("-")) if part)
+    folder = HOME / "build" / f"{name}{variant}"
+    _one_line(f"building {name}{variant} ...")
+    options = [f"-DSTATOR_GRAPH={plan.graph.file}", f"-DSTATOR_BOARD={plan.board.name}",
+               "-DSTATOR_TESTS=OFF", f"-DSTATOR_PYTHON={sys.executable}"]
+    if compiler:
+        options.append(f"-DCMAKE_CXX_COMPILER={compiler}")
+    if optimisation:
+        options += ["-DCMAKE_BUILD_TYPE=", f"-DCMAKE_CXX_FLAGS={optimisation}"]
+    # An unfinished first configuration leaves a folder that CMake would not try again.
+    if not (folder / "build.ninja").is_file():
+        shutil.rmtree(folder, ignore_errors=True)
+        _run(["cmake", "-S", str(HOME), "-B", str(folder), "-G", "Ninja", *options])
+    _run(["cmake", "--build", str(folder), "--target", "graph_program"])
+    return folder / "graph_program"
+
+
+def _one_line(text: str) -> None:
+    if sys.stderr.isatty():
+        print(f"\r{text}", end="\r", file=sys.stderr, flush=True)
+
+
+def _run(command: list[str]) -> None:
+    result = subprocess.run(command, check=False, capture_output=True, text=True)
+    if result.returncode != 0:
+        lines = (result.stdout + result.stderr).splitlines()
+        first = next((i for i, line in enumerate(lines) if "error" in line.lower()), 0)
+        shown = "\n".join(lines[max(0, first - 2) : first + 40])
+        raise BuildFailed(f"{shown}\nerror: the build failed\nhint: the whole output: "
+                          + " ".join(f"'{part}'" if " " in part else part for part in command))

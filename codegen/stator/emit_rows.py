@@ -1,0 +1,303 @@
+"""Flat rows of ready strings for the templates, which only substitute and loop."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from stator.check_parts import MODE_TOPIC
+from stator.library import HOME
+from stator.model import TYPES, Field, Interface, Message, Value
+from stator.names import upper_camel
+
+if TYPE_CHECKING:
+    from stator.model import Node, Trigger
+    from stator.plan import Plan, Task, TopicPlan
+
+Row = dict[str, Any]
+WORD_BITS = 64
+
+
+# --- messages and ports ---
+
+
+def messages(plan: Plan) -> list[Message]:
+    """All messages that the graph's interfaces name, by name."""
+    found: dict[str, Message] = {}
+    for interface in interfaces(plan):
+        for port in (*interface.inputs.values(), *interface.outputs.values()):
+            found[port.message.name] = port.message
+        if interface.params_message is not None:
+            found[interface.params_message.name] = interface.params_message
+    return [found[name] for name in sorted(found)]
+
+
+def interfaces(plan: Plan) -> list[Interface]:
+    found = {node.interface.name: node.interface for node in plan.graph.nodes.values()}
+    return [found[name] for name in sorted(found)]
+
+
+def fields(message: Message) -> list[Row]:
+    offset = 0
+    result = []
+    for field in message.fields:
+        result.append({
+            "name": field.name,
+            "type": _cpp_type(field),
+            "comment": _comment(field),
+            "enum": upper_camel(field.name) if field.values else "",
+            "values": [{"name": "k" + upper_camel(k), "value": v} for k, v in field.values],
+            "offset": offset,
+        })
+        offset += field.bytes
+    return result
+
+
+def _cpp_type(field: Field) -> str:
+    single = upper_camel(field.name) if field.values else TYPES[field.type][0]
+    return single if field.count is None else f"std::array<{single}, {field.count}>"
+
+
+def _comment(field: Field) -> str:
+    parts = [field.unit if field.unit not in ("", "1") else "", field.frame]
+    unit = ", ".join(part for part in parts if part)
+    text = one_line(field.doc)
+    return f"{text} [{unit}]" if unit else text
+
+
+def one_line(text: str) -> str:
+    """Text that stays inside a // comment whatever it holds."""
+    return " ".join(text.split()).replace("\\", "/")
+
+
+def ports(interface: Interface) -> Row:
+    used = {p.message.header for p in (*interface.inputs.values(), *interface.outputs.values())}
+    params = interface.params_message
+    return {
+        "class": interface.class_name,
+        "doc": one_line(interface.doc),
+        "headers": sorted(used | ({params.header} if params else set())),
+        "lines": [{"name": name, "doc": one_line(doc)} for name, doc in interface.lines.items()],
+        "inputs": [{"name": p.name, "message": p.message.name, "doc": one_line(p.doc)}
+                   for p in interface.inputs.values()],
+        "params": params.name if params else "",
+        "outputs": [{"name": p.name, "message": p.message.name, "doc": one_line(p.doc)}
+                    for p in interface.outputs.values()],
+    }
+
+
+# --- tasks ---
+
+
+def pend(task: Task) -> str:
+    return f"{{{task.index // WORD_BITS}, {1 << task.index % WORD_BITS:#x}}}"
+
+
+def pends(tasks: list[Task]) -> list[str]:
+    """One entry for each word that the tasks' bits lie in."""
+    words: dict[int, int] = {}
+    for task in tasks:
+        word = task.index // WORD_BITS
+        words[word] = words.get(word, 0) | 1 << task.index % WORD_BITS
+    return [f"{{{word}, {mask:#x}}}" for word, mask in sorted(words.items())]
+
+
+def task(plan: Plan, planned: Task) -> Row:
+    node = planned.node
+    interface = node.interface
+    device = plan.board.devices[node.device] if node.device is not None else None
+    driver = device.driver if device is not None else ""
+    is_bound = device is None or driver != "none"
+    header = driver.replace("/", "_") if device is not None else interface.name
+    inputs = [_input(plan, node, key) for key in node.inputs]
+    return {
+        "name": node.name,
+        "mark": node.mark,
+        "header": header,
+        "class": upper_camel(header),
+        "is_bound": is_bound,
+        "device": node.device or "",
+        "ports": f"{interface.class_name}Ports",
+        "pend": pend(planned),
+        "level": planned.level,
+        "level_begin": planned.level_begin,
+        "lines": [t.name for t in node.triggers if t.kind == "irq"],
+        "line_limits": [{"name": t.name, "min_interarrival_us": t.min_interarrival_us or 0}
+                        for t in node.triggers if t.kind == "irq"],
+        "timers": [_timer(i, t) for i, t in enumerate(
+            t for t in node.triggers if t.kind == "every")],
+        "inputs": inputs,
+        "triggers": [i for i in inputs if i["kind"] == "trigger"],
+        "thinned": [i for i in inputs if i["kind"] == "thinned"],
+        "latest": [i for i in inputs if i["kind"] == "latest"],
+        "queues": [i for i in inputs if i["kind"] == "queue"],
+        "params_topic": f"{node.name}_params" if interface.params else "",
+        "outputs": [{"name": key, "topic": o.topic,
+                     "keep": "true" if node.name in plan.topics[o.topic].kept_by else "false"}
+                    for key, o in node.outputs.items()],
+        "reads_log": interface.reads_log,
+        "is_gated": plan.graph.modes is not None
+        and any(node.name in names for names in plan.graph.modes.sets.values()),
+        "switches_mode": plan.graph.modes is not None and plan.graph.modes.publisher == node.name,
+    }
+
+
+def _input(plan: Plan, node: Node, key: str) -> Row:
+    source = node.inputs[key]
+    trigger = node.trigger_of(source.topic)
+    if trigger is not None:
+        kind = "thinned" if trigger.is_thinned else "trigger"
+    else:
+        kind = "queue" if source.queue else "latest"
+    age = source.max_age_us
+    return {"name": key, "topic": source.topic, "kind": kind, "max_age_us": age or 0,
+            "age": f", {age}" if age else ""}
+
+
+def _timer(index: int, trigger: Trigger) -> Row:
+    return {"name": f"every_{index}", "bit": f"{1 << index}U", "period_us": trigger.period_us,
+            "offset_us": trigger.offset_us}
+
+
+# --- topics ---
+
+
+def topic(plan: Plan, planned: TopicPlan) -> Row:
+    woken: list[Task] = []
+    thinned: list[Row] = []
+    by_name = {t.node.name: t for t in plan.tasks}
+    for name, _ in planned.readers:
+        trigger = plan.graph.nodes[name].trigger_of(planned.name)
+        if trigger is None:
+            continue
+        if trigger.min_interval_us is None:
+            woken.append(by_name[name])
+        else:
+            thinned.append({"node": name, "interval_us": trigger.min_interval_us,
+                            "pend": pend(by_name[name])})
+    return {
+        "name": planned.name,
+        "message": planned.message.name,
+        "header": planned.message.header,
+        "depth": planned.depth,
+        "slots": planned.slots,
+        "ceiling": planned.ceiling,
+        "ring": 2 * planned.depth if planned.depth > 1 else 0,
+        "subscribers": pends(woken),
+        "thinned": thinned,
+    }
+
+
+# --- parameters, modes, log ---
+
+
+def literal(value: Value) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, Fraction):
+        return f"{float(value)!r}F"
+    return str(value)
+
+
+def parameters(plan: Plan) -> list[Row]:
+    result = []
+    for node in plan.graph.nodes.values():
+        message = node.interface.params_message
+        if message is not None:
+            result.append({
+                "topic": f"{node.name}_params",
+                "message": message.name,
+                "values": [{"name": key, "value": literal(value)}
+                           for key, value in node.params.items()],
+            })
+    return result
+
+
+def modes(plan: Plan) -> Row:
+    graph_modes = plan.graph.modes
+    assert graph_modes is not None
+    gated = [node for node in plan.graph.nodes
+             if any(node in names for names in graph_modes.sets.values())]
+    sets = [{"name": name, "runs": ", ".join("true" if node in names else "false" for node in gated)}
+            for name, names in graph_modes.sets.items()]
+    return {"gated": gated, "sets": sets, "topic": MODE_TOPIC,
+            "initial": list(graph_modes.sets).index(graph_modes.initial)}
+
+
+def log(plan: Plan) -> Row | None:
+    if not any(node.interface.reads_log for node in plan.graph.nodes.values()):
+        return None
+    logged = [t for t in plan.topics.values() if t.log_us is not None]
+    return {
+        "topics": [{"name": t.name, "format": _log_format(t.message), "interval_us": t.log_us,
+                    "floats": _log_floats(t.message)} for t in logged],
+        "parameters": [_log_parameter(node, key) for node in plan.graph.nodes.values()
+                       for key in node.params],
+    }
+
+
+def _log_format(message: Message) -> str:
+    parts = []
+    for field in message.fields:
+        count = "" if field.count is None else f"[{field.count}]"
+        parts.append(f"{TYPES[field.type][1]}{count} {field.name};")
+    return "".join(parts)
+
+
+def _log_floats(message: Message) -> list[str]:
+    runs: list[tuple[int, int, int]] = []  # offset, count, bytes of one
+    offset = 0
+    for field in message.fields:
+        if field.type in ("float", "double"):
+            size, count = TYPES[field.type][2], field.count or 1
+            if runs and runs[-1][0] + runs[-1][1] * runs[-1][2] == offset and runs[-1][2] == size:
+                runs[-1] = (runs[-1][0], runs[-1][1] + count, size)
+            else:
+                runs.append((offset, count, size))
+        offset += field.bytes
+    return [f"{{{offset}, {count}, {size}}}" for offset, count, size in runs]
+
+
+def _log_parameter(node: Node, key: str) -> Row:
+    is_float = node.interface.params[key].type == "float"
+    value = node.params[key]
+    return {
+        "name": f"{node.name}.{key}",
+        "is_float": "true" if is_float else "false",
+        "float": literal(value) if is_float else "0.0F",
+        "int32": "0" if is_float else str(int(value)),
+    }
+
+
+# --- the program and its build ---
+
+
+def program(plan: Plan) -> Row:
+    begins = []
+    for level in range(16):
+        # A level without tasks begins where the next lower one does.
+        begins.append(sum(1 for task in plan.tasks if task.level > level))
+    return {"words": max(1, -(-len(plan.tasks) // WORD_BITS)), "level_begin": begins,
+            "task_count": len(plan.tasks)}
+
+
+def build(plan: Plan, files: dict[str, str]) -> Row:
+    apps = {}
+    for node in plan.graph.nodes.values():
+        if node.device is None:
+            apps[node.interface.name] = node.interface.file.parent
+        elif plan.board.devices[node.device].driver != "none":
+            driver = plan.board.devices[node.device].driver
+            folder = node.interface.file.parent / driver.split("/")[1]
+            apps[driver.replace("/", "_")] = folder
+    inputs = [*plan.graph.files, plan.board.file]
+    return {
+        "sources": [name for name in files if name.endswith(".cpp")],
+        "libraries": [{"name": name, "folder": str(folder)} for name, folder in sorted(apps.items())],
+        "board": str(plan.board.file.parent),
+        "executor": plan.board.executor,
+        "inputs": sorted({str(path) for path in inputs}),
+        "home": str(HOME),
+    }
+
+

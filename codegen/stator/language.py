@@ -1,0 +1,207 @@
+"""The language, key by key: what a graph, a message, an interface and a board may say.
+
+The checker, the JSON Schema for editors and the reference are all made from this file.
+"""
+
+from __future__ import annotations
+
+from stator.shapes import (
+    Anything,
+    Boolean,
+    Choice,
+    Integer,
+    Key,
+    Listing,
+    Name,
+    OneOrMore,
+    Period,
+    Raw,
+    Short,
+    Struct,
+    Table,
+    Text,
+)
+
+MOST_LEVELS = 15
+DEPTHS = (1, 2, 4, 8, 16)
+MOST_SLOTS = 32
+
+_UPPER_CAMEL = "[A-Z][A-Za-z0-9]{0,62}"
+MESSAGE_NAME = Text(_UPPER_CAMEL, "a message name in UpperCamel", "bad-name")
+_PATH_PART = "[A-Za-z0-9_][A-Za-z0-9_.-]*"
+RELATIVE_PATH = Text(rf"(\.\./)*({_PATH_PART}/)*{_PATH_PART}\.yaml",
+                     "the path of a .yaml file, relative to this one", "include-path")
+
+INCLUDE = Struct(
+    {
+        "file": Key(RELATIVE_PATH, "The file to include, relative to this one.", required=True),
+        "with": Key(Table(Raw(), "a variable"), "Values for its ${variables}."),
+        "prefix": Key(Name("a prefix"), "Put in front of its node names and the topics it publishes."),
+    }
+)
+
+TRIGGER = Struct(
+    {
+        "irq": Key(Name("a line"), "A line of the node's device."),
+        "min_interarrival": Key(Period(), "The least time between two events of the line; an assumption "
+                                "of the proof, checked at run time."),
+        "topic": Key(Name("a topic"), "A topic among the node's inputs."),
+        "min_interval": Key(Period(), "Activate at most this often, keeping the mean rate."),
+        "every": Key(Period(), "A period."),
+        "offset": Key(Period(least_us=0), "First release of the period."),
+        "max_interval": Key(Period(), "Watch that the trigger comes at least this often."),
+    }
+)
+
+INPUT = Short(
+    "topic",
+    Struct(
+        {
+            "topic": Key(Name("a topic"), "The topic to read.", required=True),
+            "max_age": Key(Period(), "A sample older than this reads as absent."),
+            "read": Key(Choice(("latest", "queue")), "The newest sample, or all in order."),
+        }
+    ),
+)
+
+NODE = Struct(
+    {
+        "app": Key(Name("an app"), "The class of the node; its own name if left out."),
+        "device": Key(Name("a device"), "The device that this driver node owns."),
+        "trigger": Key(OneOrMore(TRIGGER), "What activates the node; any one of a list.", required=True),
+        "priority": Key(Integer(1, MOST_LEVELS), "1 (least urgent) to 15 (most)."),
+        "deadline": Key(Period(), "Latest end of an activation after its release."),
+        "budget": Key(Period(), "The most execution time of one activation."),
+        "inputs": Key(Table(INPUT, "an input"), "Input ports and the topics they read."),
+        "outputs": Key(Table(Name("a topic"), "an output"), "Output ports and the topics they publish."),
+        "params": Key(Table(Raw(), "a parameter"), "Values that differ from the interface's defaults."),
+    }
+)
+
+TOPIC = Struct(
+    {
+        "log": Key(Text(what="all, none or a rate"), "all, none, or a rate such as 50 Hz."),
+        "depth": Key(Integer(1, DEPTHS[-1]), "Samples kept for queue readers: 1, 2, 4, 8 or 16."),
+        "publishers": Key(Choice(("one", "many")), "Whether several nodes may publish at a time."),
+    }
+)
+
+_LATER = "topics that cross machines come in a later version"
+GRAPH = Struct(
+    {
+        "doc": Key(Text(), "What this graph is."),
+        "board": Key(Name("a board"), "What the graph runs on.", required=True),
+        "include": Key(Listing(INCLUDE), "Files whose content this one builds on."),
+        "topics": Key(Table(TOPIC, "a topic"), "Topics that differ from the defaults."),
+        "nodes": Key(Table(NODE, "a node"), "The nodes.", required=True),
+        "modes": Key(
+            Struct(
+                {
+                    "initial": Key(Name("a mode"), "The mode at the start.", required=True),
+                    "sets": Key(
+                        Table(Listing(Name("a node")), "a mode"),
+                        "The nodes that run in each mode. Nodes in no set always run.",
+                        required=True,
+                    ),
+                }
+            ),
+            "Sets of nodes that are exchanged in flight.",
+        ),
+        "chains": Key(
+            Table(
+                Struct(
+                    {
+                        "path": Key(Listing(Name("a node"), least=2), "The nodes, first to last.",
+                                    required=True),
+                        "deadline": Key(Period(), "Latest end after the first node's release.",
+                                        required=True),
+                    }
+                ),
+                "a chain",
+            ),
+            "Paths of nodes with an end-to-end deadline.",
+        ),
+    },
+    reserved={"machines": _LATER, "machine": _LATER, "link": _LATER},
+)
+
+FIELD = Struct(
+    {
+        "type": Key(Text(what="a type"), "bool, float, double, int8 to int64, uint8 to uint64; "
+                    'arrays as "float[3]".', required=True),
+        "unit": Key(Text(), "Unit of the value."),
+        "frame": Key(Choice(("B", "N")), "Body or local north-east-down."),
+        "values": Key(Table(Integer(0, 255), "a value"), "Names of an enumeration's values."),
+        "doc": Key(Text(), "What it is.", required=True),
+    }
+)
+MESSAGE = Struct(
+    {
+        "doc": Key(Text(), "What one sample is.", required=True),
+        "fields": Key(Table(FIELD, "a field"), "The fields; `timestamp` comes in front by itself.",
+                      required=True),
+    }
+)
+
+PORT = Struct(
+    {
+        "message": Key(MESSAGE_NAME, "The message type.", required=True),
+        "optional": Key(Boolean(), "An input that a graph need not wire."),
+        "doc": Key(Text(), "What it is for.", required=True),
+    }
+)
+PARAM = Struct(
+    {
+        "type": Key(Choice(("float", "int32", "bool")), "Type of the value.", required=True),
+        "unit": Key(Text(), 'Unit of the value; "1" for none.'),
+        "range": Key(Listing(Raw(), least=2, most=2), "Least and most."),
+        "default": Key(Raw(), "The value if the graph says nothing.", required=True),
+        "doc": Key(Text(), "What it does.", required=True),
+    }
+)
+INTERFACE = Struct(
+    {
+        "doc": Key(Text(), "The node's place in the vehicle.", required=True),
+        "lines": Key(Table(Struct({"doc": Key(Text(), "When it comes.", required=True)}), "a line"),
+                     "Events of the device (device classes only)."),
+        "inputs": Key(Table(PORT, "an input"), "Input ports."),
+        "outputs": Key(Table(PORT, "an output"), "Output ports."),
+        "params": Key(Table(PARAM, "a parameter"), "Parameters."),
+        "reads_log": Key(Boolean(), "The node reads every logged topic through a generated table."),
+    }
+)
+
+DEVICE = Struct(
+    {
+        "driver": Key(Text("none|[a-z][a-z0-9_]*/[a-z][a-z0-9_]*", "a driver such as imu/mpu6000, or none"),
+                      "The driver's folder below drivers/, or none.", required=True),
+        "class": Key(Name("a device class"), "The device class, where driver is none."),
+        "bus": Key(Name("a bus"), "The bus it is on."),
+        "pins": Key(Table(Text("P[A-K][0-9]{1,2}", "a pin such as PC2"), "a pin"), "Its pins."),
+        "lines": Key(Table(Text("[A-Za-z0-9_]+", "a pin or a peripheral"), "a line"),
+                     "The pin or peripheral of each line."),
+    }
+)
+BOARD = Struct(
+    {
+        "doc": Key(Text(), "What the board is."),
+        "executor": Key(Choice(("cortex_m", "pthread", "virtual")), "Which runtime.", required=True),
+        "chip": Key(Text(rf"{_PATH_PART}(/{_PATH_PART})*", "a chip file such as stm32f4/stm32f427"),
+                    "The chip's file below boards/, without .yaml."),
+        "reserved_vectors": Key(Listing(Text("[a-z0-9_]+", "a vector")),
+                                "Vectors the board itself needs; no task gets them."),
+        "devices": Key(Table(DEVICE, "a device"), "The devices and what drives them.", required=True),
+    }
+)
+CHIP = Struct(
+    {
+        "doc": Key(Text(), "The chip, and the manual behind this file."),
+        "core": Key(Text(), "The core.", required=True),
+        "clock": Key(Text(what="a frequency"), "Core clock.", required=True),
+        "priority_bits": Key(Integer(2, 8), "Bits of an NVIC priority.", required=True),
+        "memory": Key(Table(Anything(), "a memory"), "Name: {at, bytes}."),
+        "vectors": Key(Table(Integer(0, 239), "a vector", key_pattern="[a-z][a-z0-9_]*"),
+                       "Interrupt lines the chip really has.", required=True),
+    }
+)
+BUDGETS = Table(Period(), "a node")

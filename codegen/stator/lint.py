@@ -1,0 +1,133 @@
+"""What `./stator lint` does: formats and static checks, which the tests run one by one."""
+
+import argparse
+import importlib.util
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+# Not to be formatted: what is built, and the generator's expected output, which stays as it is.
+SKIPPED_FOLDERS = {"build", "golden", "__pycache__"}
+DATABASE = Path("build") / "host" / "compile_commands.json"
+
+
+@dataclass(frozen=True)
+class Check:
+    """`run` returns what is wrong, or nothing; `fixer` is the command that repairs it, if any."""
+
+    run: Callable[[Path], str]
+    fixer: Callable[[Path], list[str]] | None = None
+    long: bool = False
+
+
+def cpp_files(root: Path) -> Iterator[Path]:
+    for folder, folders, files in os.walk(root):
+        folders[:] = sorted(f for f in folders if f not in SKIPPED_FOLDERS and f[0] != ".")
+        yield from (Path(folder) / f for f in sorted(files) if f.endswith((".cpp", ".hpp")))
+
+
+def _output(command: list[str], root: Path) -> str:
+    """What a command printed, if it failed."""
+    finished = subprocess.run(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        cwd=root,
+        check=False,
+    )
+    failed = finished.returncode != 0
+    return (finished.stdout.strip() or f"{command[0]} failed") if failed else ""
+
+
+def _module(*arguments: str) -> list[str]:
+    return [sys.executable, "-I", "-X", "utf8", "-m", *arguments]
+
+
+def _clang_format(*arguments: str) -> Callable[[Path], list[str]]:
+    def command(root: Path) -> list[str]:
+        package = importlib.util.find_spec("clang_format")
+        assert package is not None and package.origin is not None  # pinned in requirements.txt
+        program = Path(package.origin).parent / "data" / "bin" / "clang-format"
+        return [str(program), *arguments, *(str(p.relative_to(root)) for p in cpp_files(root))]
+
+    return command
+
+
+def _run(command: Callable[[Path], list[str]]) -> Callable[[Path], str]:
+    return lambda root: _output(command(root), root)
+
+
+def clang_format(root: Path) -> str:
+    """One line a file; where in the file matters little, since the fix is one command."""
+    output = _output(_clang_format("--dry-run", "--Werror")(root), root)
+    files = re.findall(r"^(\S.*?):\d+:\d+: ", output, flags=re.M)
+    return "\n".join(f"would reformat: {file}" for file in dict.fromkeys(files)) or output
+
+
+def _python(*arguments: str) -> Callable[[Path], list[str]]:
+    return lambda _: _module(*arguments)
+
+
+def clang_tidy(root: Path) -> str:
+    """Needs the list of compile commands that a build leaves."""
+    database = root / DATABASE
+    if not database.exists():
+        return f"there is no {DATABASE}\nhint: ./stator test makes it"
+    entries = json.loads(database.read_text(encoding="utf-8"))
+    files = {(Path(entry["directory"]) / entry["file"]).resolve() for entry in entries}
+    own = sorted(file for file in files if file in set(cpp_files(root)))
+
+    def check(file: Path) -> str:
+        command = ["clang-tidy", "--quiet", "-p", str(database.parent), str(file)]
+        return _output([*command, "--warnings-as-errors=*"], root)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = list(pool.map(check, own))
+    return re.sub(r"^\d+ warnings? generated\.\n", "", "\n".join(filter(None, found)), flags=re.M)
+
+
+CHECKS = {
+    "clang-format": Check(clang_format, fixer=_clang_format("-i")),
+    "ruff check": Check(
+        _run(_python("ruff", "check", "--quiet", ".")),
+        fixer=_python("ruff", "check", "--quiet", "--fix", "."),
+    ),
+    "ruff format": Check(
+        _run(_python("ruff", "format", "--check", "--output-format", "concise", ".")),
+        fixer=_python("ruff", "format", "--quiet", "."),
+    ),
+    "mypy": Check(
+        _run(_python("mypy", "--no-error-summary", "codegen/stator", "codegen/bootstrap.py"))
+    ),
+    "clang-tidy": Check(clang_tidy, long=True),
+}
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(prog="stator lint", description="Checks format and code.")
+    parser.add_argument("--fix", action="store_true", help="repair what can be repaired, first")
+    parser.add_argument("--long", action="store_true", help="clang-tidy, too (after a build)")
+    options = parser.parse_args(argv)
+    failed = False
+    for name, check in CHECKS.items():
+        if check.long and not options.long:
+            continue
+        if options.fix and check.fixer:
+            _output(check.fixer(ROOT), ROOT)
+        problems = check.run(ROOT)
+        failed |= bool(problems)
+        print(f"{name}: {'failed' if problems else 'ok'}", flush=True)
+        if problems:
+            print(problems)
+            print("hint: ./stator lint --fix" if check.fixer else "hint: to be repaired by hand")
+    return 1 if failed else 0

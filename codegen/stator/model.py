@@ -1,0 +1,215 @@
+"""The graph after checking: complete, consistent, frozen. Times are whole microseconds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from stator.diagnostics import Mark
+from stator.names import snake, upper_camel
+
+# type name -> (C++ type, ULog type, bytes)
+TYPES: dict[str, tuple[str, str, int]] = {
+    "bool": ("bool", "bool", 1),
+    "float": ("float", "float", 4),
+    "double": ("double", "double", 8),
+    **{f"int{n}": (f"int{n}_t", f"int{n}_t", n // 8) for n in (8, 16, 32, 64)},
+    **{f"uint{n}": (f"uint{n}_t", f"uint{n}_t", n // 8) for n in (8, 16, 32, 64)},
+}
+
+
+@dataclass(frozen=True)
+class Field:
+    name: str
+    type: str
+    count: int | None  # None: a single value
+    unit: str
+    frame: str
+    values: tuple[tuple[str, int], ...]
+    doc: str
+
+    @property
+    def bytes(self) -> int:
+        return TYPES[self.type][2] * (self.count or 1)
+
+    @property
+    def alignment(self) -> int:
+        return TYPES[self.type][2]
+
+
+@dataclass(frozen=True)
+class Message:
+    name: str
+    doc: str
+    fields: tuple[Field, ...]  # with `timestamp` in front and the padding
+    mark: Mark
+
+    @property
+    def header(self) -> str:
+        return snake(self.name)
+
+    @property
+    def bytes(self) -> int:
+        return sum(field.bytes for field in self.fields)
+
+
+@dataclass(frozen=True)
+class Port:
+    name: str
+    message: Message
+    optional: bool
+    doc: str
+
+
+Value = Fraction | int | bool
+
+
+@dataclass(frozen=True)
+class Param:
+    name: str
+    type: str
+    unit: str
+    least: Fraction | None
+    most: Fraction | None
+    default: Value
+    doc: str
+
+
+@dataclass(frozen=True)
+class Interface:
+    """The ports of an app or of a device class."""
+
+    name: str
+    file: Path
+    doc: str
+    lines: dict[str, str]
+    inputs: dict[str, Port]
+    outputs: dict[str, Port]
+    params: dict[str, Param]
+    reads_log: bool
+    params_message: Message | None
+
+    @property
+    def class_name(self) -> str:
+        return upper_camel(self.name)
+
+
+@dataclass(frozen=True)
+class Device:
+    name: str
+    driver: str  # "imu/sim", or "none"
+    device_class: str
+    lines: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Chip:
+    name: str
+    vectors: dict[str, int]
+
+
+@dataclass(frozen=True)
+class Board:
+    name: str
+    file: Path
+    executor: str
+    chip: Chip | None
+    reserved_vectors: tuple[str, ...]
+    devices: dict[str, Device]
+
+
+@dataclass(frozen=True)
+class Trigger:
+    kind: str  # irq, topic, every
+    name: str  # the line or the topic; empty for `every`
+    mark: Mark
+    min_interarrival_us: int | None = None
+    min_interval_us: int | None = None
+    period_us: int = 0
+    offset_us: int = 0
+    max_interval_us: int | None = None
+
+    @property
+    def is_thinned(self) -> bool:
+        return self.min_interval_us is not None
+
+
+@dataclass(frozen=True)
+class NodeInput:
+    port: Port
+    topic: str
+    max_age_us: int | None
+    queue: bool
+    mark: Mark
+
+
+@dataclass(frozen=True)
+class NodeOutput:
+    port: Port
+    topic: str
+    mark: Mark
+
+
+@dataclass(frozen=True)
+class Node:
+    name: str
+    interface: Interface
+    device: str | None
+    triggers: tuple[Trigger, ...]
+    priority: int | None
+    deadline_us: int | None
+    budget_us: int | None
+    inputs: dict[str, NodeInput]
+    outputs: dict[str, NodeOutput]
+    params: dict[str, Value]
+    mark: Mark
+
+    def trigger_of(self, topic: str) -> Trigger | None:
+        """The topic trigger on this topic, if the node has one."""
+        return next((t for t in self.triggers if t.kind == "topic" and t.name == topic), None)
+
+
+@dataclass(frozen=True)
+class TopicConfig:
+    log: str | int | None  # "all", "none", a period in us, or unsaid
+    depth: int | None
+    many_publishers: bool
+    mark: Mark | None
+
+
+@dataclass(frozen=True)
+class Topic:
+    name: str
+    message: Message
+    publishers: tuple[str, ...]  # nodes, in graph order
+    readers: tuple[tuple[str, str], ...]  # (node, input), in graph order
+    config: TopicConfig
+
+
+@dataclass(frozen=True)
+class Modes:
+    initial: str
+    sets: dict[str, tuple[str, ...]]
+    publisher: str
+
+
+@dataclass(frozen=True)
+class Chain:
+    name: str
+    path: tuple[str, ...]
+    deadline_us: int
+    mark: Mark
+
+
+@dataclass(frozen=True)
+class Graph:
+    name: str
+    file: Path
+    doc: str
+    board: Board
+    nodes: dict[str, Node]
+    topics: dict[str, Topic]
+    modes: Modes | None
+    chains: tuple[Chain, ...]
+    files: tuple[Path, ...]  # everything that was read

@@ -1,0 +1,57 @@
+"""Names that a graph cannot use, because C++, the C library or the runtime has taken them."""
+
+from __future__ import annotations
+
+_CPP_KEYWORDS = frozenset(
+    """alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t
+    char32_t class compl concept const consteval constexpr constinit const_cast continue co_await
+    co_return co_yield decltype default delete do double dynamic_cast else enum explicit export
+    extern false float for friend goto if inline int long mutable namespace new noexcept not not_eq
+    nullptr operator or or_eq private protected public register reinterpret_cast requires return
+    short signed sizeof static static_assert static_cast struct switch template this thread_local
+    throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t while
+    xor xor_eq final override import module""".split()
+)
+_MACROS = frozenset("errno assert stdin stdout stderr linux unix i386 offsetof".split())
+_RUNTIME = frozenset("std stator now fired params timestamp main step".split())
+
+# Types in namespace stator, which messages and app classes cannot be called.
+_TYPES = frozenset(
+    """Shared Topic TopicState Thinned ThinnedState Pin Loan Input Output Pend Section Executor
+    Timer TimerState Line LineState Task TaskCounters Program RandomTimes Random LogTable LogTopic
+    Params Ports Fired Device""".split()
+)
+
+
+def reserved_reason(name: str) -> str:
+    """Why the name is taken; empty if it is free."""
+    if name in _CPP_KEYWORDS:
+        return "it is a word of C++"
+    if name in _MACROS:
+        return "the C library has taken it"
+    if name in _RUNTIME or upper_camel(name) in _TYPES:
+        return "the runtime has taken it"
+    if "__" in name or name.endswith("_"):
+        return "underscores stand singly and between other characters"
+    return ""
+
+
+def is_reserved_type(name: str) -> bool:
+    return name in _TYPES
+
+
+def upper_camel(name: str) -> str:
+    """rate_control -> RateControl"""
+    return "".join(part[:1].upper() + part[1:] for part in name.split("_"))
+
+
+def snake(name: str) -> str:
+    """SensorGyro -> sensor_gyro; a run of capitals is one word: GPSFix -> gps_fix"""
+    text = ""
+    for i, char in enumerate(name):
+        before = name[i - 1] if i else ""
+        after = name[i + 1] if i + 1 < len(name) else ""
+        if char.isupper() and i and (not before.isupper() or after.islower()):
+            text += "_"
+        text += char.lower()
+    return text

@@ -1,0 +1,61 @@
+"""The plan as a person reads it: who may preempt whom, and what each topic takes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from stator.graph_hash import graph_hash
+
+if TYPE_CHECKING:
+    from stator.model import Node
+    from stator.plan import Plan, TopicPlan
+
+
+def plan_text(plan: Plan) -> str:
+    lines = [
+        f"graph {plan.graph.name} on {plan.board.name} ({plan.board.executor}), "
+        f"planned for {plan.graph.board.name}",
+        f"hash {graph_hash(plan)}",
+        "",
+        *_table([("level", "task", "vector", "triggers"), *(_task(plan, i) for i in
+                                                            range(len(plan.tasks)))]),
+        "",
+        *_table([("topic", "message", "bytes", "depth", "slots", "log"),
+                 *(_topic(topic) for topic in plan.topics.values())]),
+    ]
+    unbound = [d.name for d in plan.board.devices.values() if d.driver == "none"]
+    if unbound:
+        lines += ["", f"without driver: {', '.join(unbound)}"]
+    return "\n".join(lines) + "\n"
+
+
+def _task(plan: Plan, index: int) -> tuple[str, ...]:
+    task = plan.tasks[index]
+    vector = "-" if task.vector is None else str(task.vector)
+    return (str(task.level), task.node.name, vector, triggers_text(task.node))
+
+
+def triggers_text(node: Node) -> str:
+    parts = []
+    for trigger in node.triggers:
+        if trigger.kind == "every":
+            part = f"every {trigger.period_us} us"
+            part += f" + {trigger.offset_us} us" if trigger.offset_us else ""
+        else:
+            part = f"{trigger.kind} {trigger.name}"
+        if trigger.min_interval_us:
+            part += f" at most every {trigger.min_interval_us} us"
+        parts.append(part)
+    return ", ".join(parts)
+
+
+def _topic(topic: TopicPlan) -> tuple[str, ...]:
+    log = {None: "none", 0: "all"}.get(topic.log_us, f"every {topic.log_us} us")
+    return (topic.name, topic.message.name, str(topic.message.bytes * topic.slots),
+            str(topic.depth), str(topic.slots), log)
+
+
+def _table(rows: list[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
+            for row in rows]

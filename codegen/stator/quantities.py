@@ -1,0 +1,55 @@
+"""Numbers with units, exactly: `1 kHz`, `250 us`, `45 deg`. No binary fractions on the way."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+
+# unit -> (dimension, factor to the dimension's unit in the code)
+UNITS: dict[str, tuple[str, Fraction]] = {
+    "us": ("time", Fraction(1)),
+    "ms": ("time", Fraction(1000)),
+    "s": ("time", Fraction(1_000_000)),
+    "min": ("time", Fraction(60_000_000)),
+    "Hz": ("frequency", Fraction(1)),
+    "kHz": ("frequency", Fraction(1000)),
+    "MHz": ("frequency", Fraction(1_000_000)),
+}
+
+# How a parameter's value may be written, and what it is in the parameter's own unit. The factor for
+# degrees is pi / 180 to 40 digits, so that the nearest float comes out whatever it is multiplied by.
+_DEGREE = Fraction("0.01745329251994329576923690768488612713442871888541725456")
+CONVERSIONS: dict[str, dict[str, Fraction]] = {
+    "rad": {"deg": _DEGREE},
+    "rad/s": {"deg/s": _DEGREE},
+    "rad/s^2": {"deg/s^2": _DEGREE},
+    "m": {"km": Fraction(1000), "cm": Fraction(1, 100), "mm": Fraction(1, 1000)},
+    "m/s": {"km/h": Fraction(10, 36), "cm/s": Fraction(1, 100)},
+    "m/s^2": {"g": Fraction("9.80665")},
+    "s": {"min": Fraction(60), "ms": Fraction(1, 1000), "us": Fraction(1, 1_000_000)},
+    "ms": {"s": Fraction(1000), "us": Fraction(1, 1000)},
+    "us": {"s": Fraction(1_000_000), "ms": Fraction(1000)},
+    "Hz": {"kHz": Fraction(1000)},
+    "kg": {"g": Fraction(1, 1000)},
+    "V": {"mV": Fraction(1, 1000)},
+    "A": {"mA": Fraction(1, 1000)},
+    "Pa": {"hPa": Fraction(100), "kPa": Fraction(1000)},
+    "1": {"%": Fraction(1, 100)},
+}
+
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?")
+
+
+def split(text: str) -> tuple[Fraction, str] | None:
+    """`1.5 ms` -> (3/2, 'ms'); a bare number has the unit ''. None if it is no number."""
+    match = _NUMBER.match(text)
+    if match is None or len(text) > 64:
+        return None
+    return Fraction(match.group(0)), text[match.end() :].strip()
+
+
+def shown(value: Fraction) -> str:
+    """A number as a person writes it."""
+    if value.denominator == 1:
+        return str(value.numerator)
+    return f"{float(value):.6g}"

@@ -1,0 +1,18 @@
+// The IMU of a simulated board.
+#include "imu_sim.hpp"
+
+namespace stator {
+
+void ImuSim::step(ImuPorts& ports) {
+    if (!ports.fired.data_ready) return;
+    // A copy, as a burst read makes one: time may pass between the two publications.
+    const Device sample = device_;
+    ports.accel.publish([&] {
+        return SensorAccel{.timestamp_sample = sample.timestamp_sample, .xyz = sample.accel_B};
+    });
+    ports.gyro.publish([&] {
+        return SensorGyro{.timestamp_sample = sample.timestamp_sample, .xyz = sample.gyro_B};
+    });
+}
+
+}  // namespace stator

@@ -1,0 +1,19 @@
+// The motion capture of a simulated board.
+#include "mocap_sim.hpp"
+
+#include "stator/scalar.hpp"
+
+namespace stator {
+
+void MocapSim::step(MocapPorts& ports) {
+    if (!ports.fired.received) return;
+    const Device seen = device_;
+    const math::SinCos<float> half = math::sincos(0.5f * seen.yaw);
+    ports.odometry.publish([&] {
+        return VehicleOdometry{.timestamp_sample = seen.timestamp_sample,
+                               .position = seen.position_N,
+                               .q = {half.cos, 0.0f, 0.0f, half.sin}};
+    });
+}
+
+}  // namespace stator

@@ -1,0 +1,17 @@
+// Storage of a host.
+#include "storage_file.hpp"
+
+#include <algorithm>
+
+namespace stator {
+
+void StorageFile::step(StoragePorts& ports) {
+    if (!ports.block || device_.file == nullptr) return;
+    const LogBlock& block = *ports.block;
+    const std::size_t length = std::min<std::size_t>(block.length, block.data.size());
+    const std::size_t written = std::fwrite(block.data.data(), 1, length, device_.file);
+    device_.bytes_written += written;
+    device_.errors += written == length ? 0U : 1U;
+}
+
+}  // namespace stator

@@ -1,0 +1,69 @@
+// The generated table of what is logged. The logger is a reader like any other; as it handles samples
+// of every type alike, it sees them as bytes.
+#pragma once
+
+#include <cstdint>
+
+#include "stator/topic.hpp"
+
+namespace stator {
+
+// Consecutive numbers of one sample that may be NaN: logged NaNs are made canonical.
+struct LogFloats {
+    uint16_t offset;
+    uint16_t count;
+    uint8_t bytes;  // 4 or 8
+};
+
+// Where the logger stands in one topic.
+struct LogCursor {
+    uint32_t number = 0;
+    uint32_t lost = 0;
+    uint64_t due_us = 0;
+};
+
+struct LogTopic {
+    const char* name;
+    const char* format;  // fields as ULog spells them
+    const Topic* topic;
+    LogCursor* cursor;
+    const LogFloats* floats;
+    uint16_t float_count;
+    uint32_t interval_us;  // 0: every sample
+};
+
+struct LogParameter {
+    const char* name;  // NODE.PARAMETER
+    bool is_float;     // else int32
+    float float_value;
+    int32_t int32_value;
+};
+
+struct LogTable {
+    const LogTopic* topics;
+    uint32_t topic_count;
+    const LogParameter* parameters;
+    uint32_t parameter_count;
+    const char* graph;       // name
+    const char* graph_hash;  // of what behaves; DESIGN 8
+};
+
+// Samples that passed before the logger came to read them.
+inline uint64_t lost_samples(const LogTable& table) {
+    uint64_t lost = 0;
+    for (uint32_t i = 0; i < table.topic_count; ++i) lost += table.topics[i].cursor->lost;
+    return lost;
+}
+
+// Takes the next sample to log at `now_us`; false if there is none. Release with `release`.
+inline bool take_logged(const LogTopic& row, uint64_t now_us, Pin& pin) {
+    LogCursor& cursor = *row.cursor;
+    if (row.interval_us == 0) return take_next(*row.topic, cursor.number, cursor.lost, pin);
+    if (now_us < cursor.due_us || !has_unread(*row.topic, cursor.number)) return false;
+    if (!take_latest(*row.topic, pin)) return false;
+    cursor.number = row.topic->number[pin.slot].load();
+    cursor.due_us += ((now_us - cursor.due_us) / row.interval_us + 1) * row.interval_us;
+    return true;
+}
+
+}  // namespace stator

@@ -1,0 +1,157 @@
+// Ports: what a node sees of its topics. Typed by the node's interface, ignorant of topic names,
+// rates and priorities. Generated wrappers fill them before `step` and let go of them after it.
+#pragma once
+
+#include <cstdint>
+#include <new>
+
+#include "stator/topic.hpp"
+
+namespace stator {
+
+inline constexpr uint32_t kNoAgeLimit = UINT32_MAX;
+
+// One input of a node. A trigger input holds the sample that this activation consumes, a latest
+// input the newest one; both stay valid until `step` returns. A queue input is absent until
+// `next()`, which moves on to the oldest unread sample. Context: the activation it belongs to.
+template <class Message>
+class Input {
+  public:
+    Input() = default;
+    // A port of a test: holds `sample`, which must outlive it.
+    explicit Input(const Message& sample, bool is_new = true, uint32_t lost = 0)
+        : sample_(&sample), lost_(lost), is_new_(is_new) {}
+    Input(const Input&) = delete;
+    Input& operator=(const Input&) = delete;
+    ~Input() { drop(); }
+
+    // True if there is a sample, and it is not older than the graph's `max_age`.
+    explicit operator bool() const { return sample_ != nullptr; }
+    const Message& operator*() const { return *sample_; }
+    const Message* operator->() const { return sample_; }
+
+    // True if no earlier activation of this node has seen this sample.
+    bool is_new() const { return is_new_; }
+    // Samples that passed unread since the one seen before; in a queue input, summed over `next()`.
+    uint32_t lost() const { return lost_; }
+    // Number of the sample on its topic, from 1, modulo 2^32.
+    uint32_t number() const { return number_; }
+
+    // Moves on to the next unread sample: true while there is one. Other inputs say true once, for
+    // a new sample, so that a node reads every kind of input alike.
+    bool next() {
+        if (cursor_ == nullptr) {
+            const bool first = is_new_ && !consumed_ && sample_ != nullptr;
+            consumed_ = true;
+            return first;
+        }
+        drop();
+        while (take_next(*topic_, *cursor_, lost_, pin_)) {
+            hold();
+            is_new_ = true;
+            if (young_enough()) return true;
+            drop();
+        }
+        return false;
+    }
+
+    // --- for generated wrappers ---
+
+    // Consumes the oldest unread sample, if there is one.
+    void take_trigger(const Topic& topic, uint32_t& cursor) {
+        topic_ = &topic;
+        if (!take_next(topic, cursor, lost_, pin_)) return;
+        hold();
+        is_new_ = true;
+    }
+    // Takes the newest sample if it is at most `max_age_us` old at `now_us`.
+    void take_latest(const Topic& topic, uint32_t& cursor, uint64_t now_us,
+                     uint32_t max_age_us = kNoAgeLimit) {
+        topic_ = &topic;
+        now_us_ = now_us;
+        max_age_us_ = max_age_us;
+        if (!stator::take_latest(topic, pin_)) return;
+        hold();
+        is_new_ = number_ != cursor;
+        if (is_new_) lost_ = number_ - cursor - 1;
+        cursor = number_;
+        if (!young_enough()) drop();
+    }
+    void open_queue(const Topic& topic, uint32_t& cursor, uint64_t now_us,
+                    uint32_t max_age_us = kNoAgeLimit) {
+        topic_ = &topic;
+        cursor_ = &cursor;
+        now_us_ = now_us;
+        max_age_us_ = max_age_us;
+    }
+    // Lets a trigger sample go that is older than the graph allows.
+    void limit_age(uint64_t now_us, uint32_t max_age_us) {
+        now_us_ = now_us;
+        max_age_us_ = max_age_us;
+        if (sample_ != nullptr && !young_enough()) drop();
+    }
+
+  private:
+    void hold() {
+        sample_ = static_cast<const Message*>(topic_->samples) + pin_.slot;
+        number_ = topic_->number[pin_.slot].load();
+    }
+    void drop() {
+        if (sample_ != nullptr && topic_ != nullptr) release(*topic_, pin_);
+        sample_ = nullptr;
+    }
+    bool young_enough() const {
+        if (max_age_us_ == kNoAgeLimit || now_us_ < sample_->timestamp) return true;
+        return now_us_ - sample_->timestamp <= max_age_us_;
+    }
+
+    const Message* sample_ = nullptr;
+    const Topic* topic_ = nullptr;
+    uint32_t* cursor_ = nullptr;
+    uint64_t now_us_ = 0;
+    uint32_t max_age_us_ = kNoAgeLimit;
+    uint32_t lost_ = 0;
+    uint32_t number_ = 0;
+    Pin pin_;
+    bool is_new_ = false;
+    bool consumed_ = false;
+};
+
+// One output of a node. May be unconnected: then publishing does nothing.
+template <class Message>
+class Output {
+  public:
+    Output() = default;
+    Output(const Output&) = delete;
+    Output& operator=(const Output&) = delete;
+
+    bool is_connected() const { return topic_ != nullptr; }
+
+    // Publishes what `make()` returns, built in its slot: `publish([&] { return Message{...}; })`.
+    // Sets `timestamp` to the activation's `now` and wakes the subscribers; more urgent ones run
+    // before this returns.
+    template <class Make>
+    void publish(Make make) {
+        if (topic_ == nullptr) return;
+        const Loan loaned = loan(*topic_, keep_);
+        void* slot = static_cast<Message*>(topic_->samples) + loaned.slot;
+        Message* message = new (slot) Message(make());
+        message->timestamp = now_us_;
+        commit(*topic_, loaned);
+        activate(*topic_, now_us_);
+    }
+
+    // --- for generated wrappers ---
+    void connect(const Topic& topic, uint64_t now_us, bool keep) {
+        topic_ = &topic;
+        now_us_ = now_us;
+        keep_ = keep;
+    }
+
+  private:
+    const Topic* topic_ = nullptr;
+    uint64_t now_us_ = 0;
+    bool keep_ = false;
+};
+
+}  // namespace stator

@@ -1,0 +1,75 @@
+// What a generated task wrapper keeps between activations, and the rules that all wrappers share.
+#pragma once
+
+#include <cstdint>
+
+#include "stator/port.hpp"
+
+namespace stator {
+
+// A periodic trigger. The timer counts and pends; the wrapper compares with what it has served, as
+// a pending bit alone cannot say which trigger fired.
+struct TimerState {
+    Shared<uint32_t> fires;
+    uint32_t served = 0;
+};
+struct Timer {
+    TimerState* state;
+    uint32_t period_us;
+    uint32_t offset_us;
+    Pend pend;
+};
+
+// Nominal time of the newest release that was served.
+inline uint64_t nominal_time_us(const TimerState& timer, uint32_t period_us, uint32_t offset_us) {
+    return offset_us + uint64_t{period_us} * (timer.served - 1);
+}
+
+// A device's line as its task sees it. `clock_us` is the clock at the newest entry of its vector.
+struct LineState {
+    Shared<uint32_t> fires;
+    uint32_t served = 0;
+    uint64_t clock_us = 0;
+    uint32_t early = 0;    // came before `min_interarrival`
+    uint32_t dropped = 0;  // of these, not served: the one before was early too
+    bool was_early = false;
+};
+
+// True if the trigger fired since the last call; advances what counts as served.
+inline bool served_now(Shared<uint32_t>& fires, uint32_t& served) {
+    const uint32_t count = fires.load();
+    const bool fired = count != served;
+    served = count;
+    return fired;
+}
+
+// The assumption `min_interarrival` of a line: an early entry is counted, and refused only when the
+// one before it was early too, as one late entry makes the next look early.
+inline bool accept_line(LineState& line, uint64_t clock_us, uint32_t min_interarrival_us) {
+    const bool first = line.fires.load() == 0 && line.dropped == 0;
+    const bool early = !first && clock_us - line.clock_us < min_interarrival_us;
+    const bool drop = early && line.was_early;
+    line.clock_us = clock_us;
+    line.was_early = early;
+    line.early += early ? 1U : 0U;
+    line.dropped += drop ? 1U : 0U;
+    return !drop;
+}
+
+// Whether a task runs in the present mode. Odd: it does. The switch counts up; the task's own wrapper
+// sees the new number at its next entry and constructs its node anew, as a suspended job may still
+// be using the old one.
+struct ModeGate {
+    Shared<uint32_t> epoch;
+    uint32_t seen = 0;
+};
+
+constexpr uint64_t later(uint64_t a, uint64_t b) { return a < b ? b : a; }
+
+// Counts for `top`, the report and the proof's watch.
+struct TaskCounters {
+    uint64_t activations = 0;
+    uint64_t lost_samples = 0;
+};
+
+}  // namespace stator

@@ -1,0 +1,43 @@
+// For unit tests of nodes: a topic without a graph, to see what an output published.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "stator/port.hpp"
+
+namespace stator::testing {
+
+// Connects to an output and keeps its newest sample.
+template <class Message>
+class Probe {
+  public:
+    Probe(Output<Message>& output, uint64_t now_us) { output.connect(topic_, now_us, true); }
+    Probe(const Probe&) = delete;
+    Probe& operator=(const Probe&) = delete;
+
+    uint32_t count() const { return state_.head.load(); }
+    const Message& newest() const {
+        require(count() != 0, "probe: nothing was published");
+        return samples_[static_cast<unsigned>(std::countl_zero(state_.history.load()))];
+    }
+
+  private:
+    TopicState state_{Shared<uint32_t>(all_slots(2)), {}, {}};
+    std::array<Message, 2> samples_{};
+    std::array<Shared<uint32_t>, 2> number_{};
+    Topic topic_{.state = &state_,
+                 .samples = samples_.data(),
+                 .number = number_.data(),
+                 .ring = nullptr,
+                 .subscribers = nullptr,
+                 .thinned = nullptr,
+                 .sample_bytes = sizeof(Message),
+                 .subscriber_count = 0,
+                 .thinned_count = 0,
+                 .slots = 2,
+                 .depth = 1,
+                 .ceiling = 0};
+};
+
+}  // namespace stator::testing

@@ -1,0 +1,116 @@
+// The virtual-time executor: one loop over instants, nested dispatch inside publications.
+#include "stator/virtual.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace stator {
+
+Executor executor;
+
+namespace {
+
+bool stopped = false;
+RandomTimes random_times{};
+uint64_t random_state = 0;
+
+// SplitMix64 (Steele, Lea, Flood 2014): one step of its counter, mixed.
+uint64_t next_random() {
+    random_state += 0x9E3779B97F4A7C15U;
+    uint64_t z = random_state;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
+    return z ^ (z >> 31);
+}
+
+uint64_t next_release_us(const Timer& timer) {
+    return timer.offset_us + uint64_t{timer.period_us} * timer.state->fires.load();
+}
+
+uint64_t next_instant_us() {
+    uint64_t next = board::next_event_us();
+    for (unsigned i = 0; i < program.timer_count; ++i) {
+        const uint64_t release = next_release_us(program.timers[i]);
+        if (release < next) next = release;
+    }
+    return next;
+}
+
+// Pends everything due by now: first the board's lines, then the timers.
+void pend_due() {
+    board::advance(executor.now_us);
+    for (unsigned i = 0; i < program.timer_count; ++i) {
+        const Timer& timer = program.timers[i];
+        while (next_release_us(timer) <= executor.now_us) {
+            timer.state->fires.store(timer.state->fires.load() + 1);
+            set_pending(timer.pend);
+        }
+    }
+}
+
+}  // namespace
+
+void fail(const char* what) {
+    std::fprintf(stderr, "stator: %s at %llu us\n", what,
+                 static_cast<unsigned long long>(executor.now_us));
+    std::abort();
+}
+
+void dispatch() {
+    const unsigned outer = executor.limit;
+    for (unsigned index = first_pending(); index < outer; index = first_pending()) {
+        executor.pending[index / 64] &= ~(uint64_t{1} << (index % 64));
+        const Task& task = program.tasks[index];
+        executor.limit = task.level_begin;
+        task.run();
+        executor.limit = outer;
+    }
+}
+
+void use_random_times(const RandomTimes& times) {
+    random_times = times;
+    random_state = times.seed;
+    executor.preemption_armed = true;
+}
+
+void pass_preemption_point() {
+    executor.preemption_armed = false;  // what pends has no preemption points of its own
+    executor.now_us += next_random() % (random_times.most_us + 1);
+    if (next_instant_us() <= executor.now_us) pend_due();
+    executor.preemption_armed = true;
+    preempt();
+}
+
+void Line::raise() {
+    if (state_ == nullptr) return;
+    if (!accept_line(*state_, executor.now_us, min_interarrival_us_)) return;
+    state_->fires.store(state_->fires.load() + 1);
+    set_pending(pend_);
+}
+
+void start() {
+    executor.pending = program.pending;
+    executor.words = program.words;
+    executor.level_begin = program.level_begin;
+    executor.limit = 0;  // nothing runs before the first instant
+    program.start();
+    executor.limit = program.task_count;
+}
+
+void run_until(uint64_t end_us) {
+    stopped = false;
+    while (!stopped) {
+        const uint64_t instant = next_instant_us();
+        if (instant > end_us) break;
+        if (instant > executor.now_us) executor.now_us = instant;
+        const bool armed = executor.preemption_armed;
+        executor.preemption_armed = false;
+        pend_due();
+        executor.preemption_armed = armed;
+        preempt();
+    }
+}
+
+void stop() { stopped = true; }
+
+}  // namespace stator

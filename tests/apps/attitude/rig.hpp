@@ -1,0 +1,86 @@
+// A vehicle whose true motion is known, its sensors, and the attitude node that listens to them.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "attitude.hpp"
+#include "stator/random.hpp"
+#include "stator/testing.hpp"
+
+namespace stator::testing {
+
+// The interface's defaults.
+inline constexpr AttitudeParams kAttitudeParams{.timestamp = 0,
+                                                .accel_time_constant = 3.0f,
+                                                .accel_time_constant_at_rest = 0.5f,
+                                                .mag_time_constant = 9.0f,
+                                                .heading_time_constant = 1.0f,
+                                                .magnetic_declination = 0.0f,
+                                                .mag_strength_tolerance = 0.1f,
+                                                .mag_dip_tolerance = 0.17453293f,
+                                                .mag_longest_rejection = 60.0f,
+                                                .bias_uncertainty = 0.0087266463f,
+                                                .bias_uncertainty_in_motion = 0.0017453293f,
+                                                .bias_uncertainty_at_rest = 0.00052359878f,
+                                                .bias_limit = 0.034906585f,
+                                                .rest_gyro_deviation = 0.034906585f,
+                                                .rest_accel_deviation = 0.5f,
+                                                .rest_least_time = 1.5f};
+
+class AttitudeRig {
+  public:
+    using Vector = math::Vector3<double>;
+    using Quaternion = math::Quaternion<double>;
+    // What happens `t` seconds into a run.
+    using Motion = std::function<Vector(double t)>;
+
+    // What the sensors add to the truth; units of the messages.
+    Vector gyro_bias{0, 0, 0};
+    double gyro_noise = 0;
+    double accel_noise = 0;
+    Vector disturbance_B{0, 0, 0};         // gauss
+    Vector field_N{0.2, 0.0, 0.4};         // gauss, dips by 63 deg
+    uint64_t period_us = 1000;
+    uint64_t mag_period_us = 0;            // 0: no magnetometer
+    uint64_t capture_period_us = 0;        // 0: no motion capture
+    uint64_t capture_delay_us = 5000;
+    bool has_status = false;
+    bool armed = false;
+    AttitudeParams params = kAttitudeParams;
+
+    Quaternion q_NB = Quaternion::Identity();  // truth
+    Quaternion estimate = Quaternion::Identity();
+    uint64_t now_us = 0;
+    unsigned published = 0;
+
+    // Runs for `seconds` with this body rate (in B) and acceleration (in N).
+    void run(double seconds, const Motion& rate_B, const Motion& acceleration_N);
+    void rest(double seconds) { run(seconds, kNone, kNone); }
+    // One activation with the samples as they are. True if it published.
+    bool step(const SensorGyro& gyro, const SensorAccel& accel, const SensorMag* mag = nullptr,
+              const VehicleOdometry* seen = nullptr);
+
+    // Errors of the estimate, rad.
+    double tilt_error() const;
+    double heading_error() const;  // true minus estimated
+    // Root mean square of tilt_error over the last run.
+    double tilt_rms() const { return tilt_rms_; }
+
+    static Vector kNone(double) { return Vector::Zero(); }
+    static Motion constant(const Vector& v) {
+        return [v](double) { return v; };
+    }
+
+  private:
+    Vector noise(double sigma);
+    VehicleOdometry seen_now() const;
+
+    Attitude node_;
+    math::Random random_{1};
+    std::vector<VehicleOdometry> on_the_way_;
+    double tilt_rms_ = 0;
+};
+
+}  // namespace stator::testing
