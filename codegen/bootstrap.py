@@ -91,7 +91,8 @@ def install_packages(lock: IO[str], packages: list[str]) -> None:
     install = [*apt, "install", "--no-install-recommends", *packages]
     # Package lists are fetched only if the ones here do not do: none yet, or out of date.
     if not (run(lock, *install) or (run(lock, *apt, "update") and run(lock, *install))):
-        raise SetUpError(f"apt-get failed; the end of {LOG}:\n{end_of_log()}", by_hand)
+        reason = f"apt-get failed to install: {' '.join(packages)}; the end of {LOG}:"
+        raise SetUpError(f"{reason}\n{end_of_log()}", by_hand)
 
 
 def environment_is_usable(lock: IO[str]) -> bool:

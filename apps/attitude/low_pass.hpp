@@ -51,8 +51,8 @@ template <class Vector>
 class LowPass {
   public:
     void update(const Vector& sample, float dt, float time_constant) {
+        filled_ += dt;
         if (filled_ < time_constant) {
-            filled_ += dt;
             value_ += (sample - value_) * (filled_ > 0.0f ? dt / filled_ : 1.0f);
             return;
         }

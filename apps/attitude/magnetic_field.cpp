@@ -56,7 +56,7 @@ void MagneticField::look_for_another(bool moving, float dt, const AttitudeParams
     const float enough = usual_.isZero(0.0f) ? kFirstCandidate : kNewCandidate;
     if (candidate_s_ < enough) return;
     usual_ = candidate_;
-    undisturbed_s_ = 0.0f;
+    candidate_s_ = 0.0f;
 }
 
 }  // namespace stator

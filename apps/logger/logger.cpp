@@ -129,7 +129,7 @@ void Logger::write_samples(LoggerPorts& ports) {
 
 void Logger::write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id,
                           const std::byte* sample) {
-    const size_t bytes = row.topic->sample_bytes;
+    const size_t bytes = row.bytes;
     begin(ports, 'D', sizeof id + bytes);
     write(ports, &id, sizeof id);
     std::byte* copy = block_ + used_;  // `begin` made room for the whole sample

@@ -91,7 +91,7 @@ void Sequence::spool_up(const SequenceParams& params) {
 
 void Sequence::climb(const SequenceParams& params, float dt) {
     leg_.advance(params.takeoff_rate, params.acceleration, dt);
-    if (!leg_.is_complete()) return;
+    if (!leg_.is_at_rest()) return;
     const Vector3<float> hover_N(params.north, params.east, ground_z_ - params.height);
     leg_ = StraightLeg::between(leg_.position(), hover_N);
     begin(Phase::kApproach);
@@ -100,7 +100,7 @@ void Sequence::climb(const SequenceParams& params, float dt) {
 void Sequence::approach(const SequenceParams& params, float dt) {
     turn(params, dt);
     leg_.advance(params.speed, params.acceleration, dt);
-    if (leg_.is_complete() && math::abs(yaw_rate_) < kTurned) begin(Phase::kHover);
+    if (leg_.is_at_rest() && math::abs(yaw_rate_) < kTurned) begin(Phase::kHover);
 }
 
 void Sequence::turn(const SequenceParams& params, float dt) {

@@ -5,7 +5,8 @@
 
 namespace stator {
 
-// The speed rises at `acceleration`, is capped, and falls as v = sqrt(2 * acceleration * rest).
+// The speed rises at the acceleration, is capped, and falls so that after each step of dt the rest
+// is just enough to brake: speed * dt + speed^2 / (2 * acceleration) = rest.
 class StraightLeg {
   public:
     StraightLeg() = default;
@@ -19,21 +20,26 @@ class StraightLeg {
     }
 
     void advance(float speed_limit, float acceleration_limit, float dt) {
-        const float braking = math::sqrt(2.0F * acceleration_limit * (length_ - distance_));
-        const float faster = speed_ + acceleration_limit * dt;
+        const float rest = length_ - distance_;
+        const float step = acceleration_limit * dt;
+        const float braking = math::sqrt(step * step + 2.0F * acceleration_limit * rest) - step;
+        const float faster = speed_ + step;
         const float speed = math::min(faster, math::min(speed_limit, braking));
         const float change = (speed - speed_) / dt;
         acceleration_ = math::clamp(change, -acceleration_limit, acceleration_limit);
         speed_ = speed;
-        distance_ = math::min(distance_ + speed * dt, length_);
+        distance_ += speed * dt;
+        if (length_ - distance_ < kArrived) distance_ = length_;
     }
 
-    bool is_complete() const { return distance_ >= length_; }
+    bool is_at_rest() const { return distance_ >= length_ && speed_ == 0.0F; }
     math::Vector3<float> position() const { return start_ + distance_ * direction_; }
     math::Vector3<float> velocity() const { return speed_ * direction_; }
     math::Vector3<float> acceleration() const { return acceleration_ * direction_; }
 
   private:
+    static constexpr float kArrived = 1e-4F;  // m
+
     math::Vector3<float> start_ = math::Vector3<float>::Zero();
     math::Vector3<float> direction_ = math::Vector3<float>::Zero();
     float length_ = 0.0F;

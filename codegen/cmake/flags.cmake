@@ -3,6 +3,7 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 
 add_library(stator_flags INTERFACE)
 target_compile_options(stator_flags INTERFACE
+    ${STATOR_OPTIMIZE}
     -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Werror
     -ffp-contract=off -fno-math-errno
     -fno-exceptions -fno-rtti -fno-threadsafe-statics

@@ -15,22 +15,27 @@ class BuildFailed(Exception):
     """CMake or the compiler failed; the message is what they said."""
 
 
-def build(graph: Path, board: str | None, *, compiler: str = "", optimisation: str = "") -> Path:
+def build(graph: Path, board: str | None, *, compiler: str = "", optimisation: str = "",
+          preemption_points: bool = False) -> Path:
     """The executable of the graph on this board (its own if None), built anew where needed.
+    `preemption_points`: for runs in which activations take time.
 
     Raises `Failed` for an error in the graph, `BuildFailed` for one in the code.
     """
     plan = make_plan(str(graph), board)
     name = f"{plan.graph.name}-{plan.board.name}"
-    variant = "".join(f"-{part}" for part in (compiler, optimisation.strip("-")) if part)
+    parts = (compiler, optimisation.strip("-"), "preemption" if preemption_points else "")
+    variant = "".join(f"-{part}" for part in parts if part)
     folder = HOME / "build" / f"{name}{variant}"
     _one_line(f"building {name}{variant} ...")
     options = [f"-DSTATOR_GRAPH={plan.graph.file}", f"-DSTATOR_BOARD={plan.board.name}",
                "-DSTATOR_TESTS=OFF", f"-DSTATOR_PYTHON={sys.executable}"]
+    if preemption_points:
+        options.append("-DSTATOR_PREEMPTION_POINTS=ON")
     if compiler:
         options.append(f"-DCMAKE_CXX_COMPILER={compiler}")
     if optimisation:
-        options += ["-DCMAKE_BUILD_TYPE=", f"-DCMAKE_CXX_FLAGS={optimisation}"]
+        options.append(f"-DSTATOR_OPTIMIZE={optimisation}")
     # An unfinished first configuration leaves a folder that CMake would not try again.
     if not (folder / "build.ninja").is_file():
         shutil.rmtree(folder, ignore_errors=True)

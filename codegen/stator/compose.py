@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import re
+import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from stator import language, yaml_tree
-from stator.diagnostics import Mark, Report, nearest
-from stator.shapes import Listing, Record, kind
+from stator.diagnostics import Mark, Report, beside
+from stator.prefix import prefixed
+from stator.shapes import VARIABLE, Listing, Record, misshaped
 from stator.yaml_tree import Mapping, Scalar, Sequence, Tree
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
 MOST_INCLUDES = 200
-_VARIABLE = re.compile(r"\$\{([^}]*)\}")
 
 
 @dataclass
@@ -25,47 +23,57 @@ class Composer:
     report: Report
     roots: tuple[Path, ...]  # folders that includes may come from
     files: list[Path] = field(default_factory=list)
+    is_complete: bool = True  # False: a file could not be read, so names may be missing
+    _trees: dict[Path, Tree | None] = field(default_factory=dict)
+    _bytes: int = 0
     _includes: int = 0
 
     def compose(self, path: Path, above: tuple[Path, ...] = ()) -> Mapping | None:
-        tree = yaml_tree.load(path, self.report)
-        if path not in self.files:
-            self.files.append(path)
+        self._bytes += path.stat().st_size if path.is_file() else 0
+        tree = self._load(path)
         if tree is None:
+            self.is_complete = False
             return None
         if not isinstance(tree, Mapping):
-            self.report.error(tree.mark, "wrong-shape", f"a graph is a mapping, not {kind(tree)}",
-                              "its keys: " + ", ".join(language.GRAPH.keys))
+            self.is_complete = False
+            misshaped(tree, "a mapping", self.report, "its keys: " + ", ".join(language.GRAPH.keys))
             return None
         if "include" not in tree.entries:
             return tree
         included = Listing(language.INCLUDE).read(tree.entries["include"], self.report)
         own = _without(tree, "include")
         if included is None:
+            self.is_complete = False
             return own
         base: Mapping | None = None
         for record in included.value:
             part = self._include(record, path, (*above, path))
-            if part is not None:
-                base = part if base is None else self._join(base, part)
-        return own if base is None else _override(base, own)
+            if part is None:
+                self.is_complete = False
+            else:
+                base = part if base is None else self._join(base, part, own)
+        return own if base is None else _override(base, own, ())
+
+    def _load(self, path: Path) -> Tree | None:
+        """Each file is read once, however often it is included."""
+        if path not in self._trees:
+            self.files.append(path)
+            self._trees[path] = yaml_tree.load(path, self.report)
+        return self._trees[path]
 
     def _include(self, record: Record, path: Path, above: tuple[Path, ...]) -> Mapping | None:
         leaf = record.get("file")
         if leaf is None:
             return None
-        file = (path.parent / leaf.value).resolve()
+        file = Path(os.path.realpath(path.parent / leaf.value))
         if not any(file.is_relative_to(root) for root in self.roots):
             self.report.error(leaf.mark, "include-path",
                               f"'{leaf.value}' lies outside the graph's folder",
-                              f"put it below {self.roots[0]}")
+                              "move the file into the folder of the graph, or below it")
             return None
         if not file.is_file():
-            known = [str(p.relative_to(path.parent.resolve()))
-                     for p in sorted(file.parent.glob("*.yaml"))[:50]
-                     if p.is_relative_to(path.parent.resolve())]
             self.report.error(leaf.mark, "include-missing", f"there is no file '{leaf.value}'",
-                              nearest(leaf.value, known))
+                              self.report.nearest(leaf.value, _files_near(file, path.parent)))
             return None
         if file in above:
             self.report.error(leaf.mark, "include-cycle", f"'{leaf.value}' includes itself",
@@ -73,14 +81,19 @@ class Composer:
             return None
         self._includes += 1
         if self._includes > MOST_INCLUDES:
-            self.report.error(leaf.mark, "include-cycle", f"more than {MOST_INCLUDES} includes")
+            self.report.error(leaf.mark, "include-many", f"more than {MOST_INCLUDES} includes",
+                              "each include counts, also of one file several times")
+            return None
+        if self._bytes > yaml_tree.MOST_BYTES:
+            self.report.error(leaf.mark, "file-too-large", "the files included before this one have "
+                              f"more than {yaml_tree.MOST_BYTES} bytes", "include fewer or smaller ones")
             return None
         part = self.compose(file, above)
         if part is None:
             return None
         part = self._substitute(part, record)
         prefix = record.value("prefix", "")
-        return _prefixed(part, prefix) if prefix else part
+        return prefixed(part, prefix) if prefix else part
 
     def _substitute(self, part: Mapping, record: Record) -> Mapping:
         given = record.get("with")
@@ -90,20 +103,23 @@ class Composer:
         def replace(tree: Tree) -> Tree:
             if isinstance(tree, Mapping):
                 entries = {key: replace(item) for key, item in tree.entries.items()}
-                return Mapping(entries, tree.mark, tree.keys)
+                return Mapping(entries, tree.mark, tree.keys, tree.owner)
             if isinstance(tree, Sequence):
                 return Sequence([replace(item) for item in tree.items], tree.mark)
-            match = _VARIABLE.fullmatch(tree.text)
+            match = VARIABLE.fullmatch(tree.text)
             if match is None:
                 return tree
             name = match.group(1)
-            if name not in values:
-                self.report.error(tree.mark, "variable-unknown", f"'{tree.text}' has no value",
-                                  nearest(name, values) or f"write `with: {{{name}: ...}}` where "
-                                  "the file is included")
-                return tree
-            used.add(name)
-            return values[name]
+            if name in values:
+                used.add(name)
+                return values[name]
+            if given is None or name not in given.keys:
+                known = self.report.nearest(name, values)
+                self.report.error(tree.mark, "variable-unknown", f"{tree.text[:60]} has no value",
+                                  known or f"write `with: {{{name[:60]}: VALUE}}` at the include in "
+                                  f"{beside(tree.mark, record.mark)}")
+            # In the place of a value that is missing: no second error about it.
+            return tree
 
         result = replace(part)
         assert isinstance(result, Mapping)
@@ -111,25 +127,30 @@ class Composer:
             if name not in used:
                 mark = given.keys[name] if given is not None else record.mark
                 self.report.error(mark, "variable-unused",
-                                  f"'{name}' stands nowhere in the included file as ${{{name}}}")
+                                  f"nothing in the included file is ${{{name}}}",
+                                  "remove it, or write ${" + name + "} in the place of a whole value")
         return result
 
-    def _join(self, first: Mapping, second: Mapping) -> Mapping:
-        """Two includes side by side: they may add, not differ."""
+    def _join(self, first: Mapping, second: Mapping, own: Tree | None) -> Mapping:
+        """Two includes side by side: they may add, not differ, except where the including file
+        decides."""
         entries, keys = dict(first.entries), dict(first.keys)
         for key, item in second.entries.items():
             old = entries.get(key)
+            decided = own.entries.get(key) if isinstance(own, Mapping) else None
             if old is None:
                 entries[key], keys[key] = item, second.keys[key]
             elif isinstance(old, Mapping) and isinstance(item, Mapping):
-                entries[key] = self._join(old, item)
-            elif _plain(old) != _plain(item):
-                where: Mark = first.keys[key]
-                self.report.error(second.keys[key], "include-conflict",
-                                  f"two includes differ on '{key}'",
-                                  f"the other is {where.file.name}:{where.line}; write the key in "
-                                  "the including file")
-        return Mapping(entries, first.mark, keys)
+                entries[key] = self._join(old, item, decided)
+            elif decided is None and _plain(old) != _plain(item):
+                self._refuse_conflict(key, first.keys[key], second.keys[key])
+        return Mapping(entries, first.mark, keys, first.owner)
+
+    def _refuse_conflict(self, key: str, first: Mark, second: Mark) -> None:
+        hint = f"the other is {beside(second, first)}; write the key in the including file, too"
+        if first.file == second.file:
+            hint = "the file is included twice; give one of the includes a `prefix`"
+        self.report.error(second, "include-conflict", f"two includes differ on '{key[:60]}'", hint)
 
 
 def check_variables(tree: Tree, report: Report) -> None:
@@ -140,27 +161,43 @@ def check_variables(tree: Tree, report: Report) -> None:
     elif isinstance(tree, Sequence):
         for item in tree.items:
             check_variables(item, report)
-    elif _VARIABLE.fullmatch(tree.text):
-        report.error(tree.mark, "variable-unknown", f"'{tree.text}' has no value",
+    elif tree.text.startswith("${") and VARIABLE.fullmatch(tree.text):
+        report.error(tree.mark, "variable-unknown", f"{tree.text[:60]} has no value",
                      "include this file from another one, with `with`")
+
+
+def _files_near(file: Path, folder: Path) -> list[str]:
+    """Files beside the one that was meant, as an include in `folder` would name them."""
+    try:
+        found = sorted(path for path in file.parent.glob("*.yaml") if path.is_file())[:50]
+        return [os.path.relpath(path, folder) for path in found]
+    except OSError:
+        return []
 
 
 def _without(tree: Mapping, key: str) -> Mapping:
     entries = {k: v for k, v in tree.entries.items() if k != key}
-    return Mapping(entries, tree.mark, tree.keys)
+    return Mapping(entries, tree.mark, tree.keys, tree.owner)
 
 
-def _override(base: Mapping, own: Mapping) -> Mapping:
+def _override(base: Mapping, own: Mapping, path: tuple[str, ...]) -> Mapping:
     entries, keys = dict(base.entries), dict(base.keys)
     for key, item in own.entries.items():
         old = entries.get(key)
         if isinstance(item, Scalar) and item.is_null and old is not None:
             del entries[key]
             continue
+        if isinstance(old, Scalar) and isinstance(item, Mapping) and _is_input(path):
+            # `gyro: sensor_gyro` is short for `gyro: {topic: sensor_gyro}`.
+            old = Mapping({"topic": old}, old.mark, {"topic": old.mark}, keys[key])
         if isinstance(old, Mapping) and isinstance(item, Mapping):
-            item = _override(old, item)
+            item = _override(old, item, (*path, key))
         entries[key], keys[key] = item, own.keys[key]
-    return Mapping(entries, own.mark, keys)
+    return Mapping(entries, own.mark, keys, own.owner)
+
+
+def _is_input(path: tuple[str, ...]) -> bool:
+    return len(path) == 3 and path[0] == "nodes" and path[2] == "inputs"
 
 
 def _plain(tree: Tree) -> Any:
@@ -169,61 +206,3 @@ def _plain(tree: Tree) -> Any:
     if isinstance(tree, Sequence):
         return [_plain(item) for item in tree.items]
     return tree.text
-
-
-def _prefixed(part: Mapping, prefix: str) -> Mapping:
-    """The part with `prefix` before its node names and the topics that it publishes."""
-    nodes = part.entries.get("nodes")
-    if not isinstance(nodes, Mapping):
-        return part
-    topics = {item.text for node in nodes.entries.values() for item in _outputs(node)}
-
-    def rename(tree: Tree, names: set[str]) -> Tree:
-        if isinstance(tree, Mapping):
-            entries = {key: rename(item, names) for key, item in tree.entries.items()}
-            return Mapping(entries, tree.mark, tree.keys)
-        if isinstance(tree, Sequence):
-            return Sequence([rename(item, names) for item in tree.items], tree.mark)
-        if tree.text in names:
-            return Scalar(prefix + tree.text, tree.mark, tree.quoted)
-        return tree
-
-    def rename_node(name: str, node: Tree) -> Tree:
-        if not isinstance(node, Mapping):
-            return node
-        entries, keys = dict(node.entries), dict(node.keys)
-        for key in ("trigger", "inputs", "outputs"):
-            if key in entries:
-                entries[key] = rename(entries[key], topics)
-        if "app" not in entries and "device" not in entries:
-            entries["app"], keys["app"] = Scalar(name, nodes.keys[name]), nodes.keys[name]
-        return Mapping(entries, node.mark, keys)
-
-    def rename_keys(table: Mapping, names: set[str] | None) -> Mapping:
-        def new(key: str) -> str:
-            return prefix + key if names is None or key in names else key
-
-        return Mapping({new(key): item for key, item in table.entries.items()}, table.mark,
-                       {new(key): mark for key, mark in table.keys.items()})
-
-    entries = dict(part.entries)
-    renamed = {name: rename_node(name, node) for name, node in nodes.entries.items()}
-    entries["nodes"] = rename_keys(Mapping(renamed, nodes.mark, nodes.keys), None)
-    configured = entries.get("topics")
-    if isinstance(configured, Mapping):
-        entries["topics"] = rename_keys(configured, topics)
-    chains = entries.get("chains")
-    if isinstance(chains, Mapping):
-        entries["chains"] = rename_keys(Mapping(
-            {key: rename(item, set(nodes.entries)) for key, item in chains.entries.items()},
-            chains.mark, chains.keys), None)
-    if "modes" in entries:
-        entries["modes"] = rename(entries["modes"], set(nodes.entries))
-    return Mapping(entries, part.mark, part.keys)
-
-
-def _outputs(node: Tree) -> list[Scalar]:
-    outputs = node.entries.get("outputs") if isinstance(node, Mapping) else None
-    if not isinstance(outputs, Mapping):
-        return []
-    return [item for item in outputs.entries.values() if isinstance(item, Scalar)]

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import os
+import re
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
+
+from stator.rules import RULES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-from stator.rules import RULES
+# A longer source line is shown in part, around the caret.
+MOST_COLUMNS = 160
+# Names that are compared for hints, over all errors of one run: a file of nothing but mistakes must
+# not take minutes.
+MOST_COMPARED = 200_000
+_LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")  # what YAML takes for the end of a line
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(NamedTuple):
     """A place in a file. Line and column count from 1."""
 
     file: Path
@@ -33,9 +42,9 @@ class Error:
         """The error as a person reads it, with the source line and a caret."""
         mark = self.mark
         lines = [f"{shown_path(mark.file)}:{mark.line}:{mark.column}: error: {self.message}"]
-        source = source_line(mark)
+        source, caret = source_line(mark)
         if source.strip():
-            lines += ["    " + source, "    " + " " * (mark.column - 1) + "^"]
+            lines += [f"    {source}".rstrip(), " " * (4 + caret) + "^"]
         if self.hint:
             lines.append(f"hint: {self.hint}")
         return "\n".join(lines)
@@ -62,15 +71,19 @@ class Failed(Exception):
 class Report:
     """Collects errors, so that a user sees all of them, in order of position."""
 
-    MOST_SHOWN = 100
-
     def __init__(self) -> None:
-        self._errors: dict[tuple[str, int, int, str], Error] = {}
+        self._errors: dict[tuple[Mark, str, str], Error] = {}
+        self._compared = 0
 
     def error(self, mark: Mark, rule: str, message: str, hint: str = "") -> None:
         assert rule in RULES, f"rule '{rule}' is not listed in rules.py"
-        key = (str(mark.file), mark.line, mark.column, rule)
-        self._errors.setdefault(key, Error(mark, rule, message, hint))
+        self._errors.setdefault((mark, rule, message), Error(mark, rule, message, hint))
+
+    def nearest(self, name: str, names: Iterable[str]) -> str:
+        """A hint that names what the user may have meant."""
+        known = list(names)
+        self._compared += len(known)
+        return nearest(name, known) if self._compared <= MOST_COMPARED else ""
 
     def __bool__(self) -> bool:
         return bool(self._errors)
@@ -82,15 +95,21 @@ class Report:
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
-    """A hint that names what the user may have meant."""
     known = sorted(names)
-    close = get_close_matches(name, known, n=1)
+    close = get_close_matches(name[:100], known, n=1)
     if close:
         return f"did you mean '{close[0]}'?"
     if not known:
         return ""
     shown = ", ".join(known[:8])
     return f"known: {shown}" + (", ..." if len(known) > 8 else "")
+
+
+def beside(mark: Mark, other: Mark) -> str:
+    """Where `other` is, for an error at `mark`."""
+    if other.file == mark.file:
+        return f"line {other.line}"
+    return f"{shown_path(other.file)}:{other.line}"
 
 
 def shown_path(path: Path) -> str:
@@ -101,13 +120,24 @@ def shown_path(path: Path) -> str:
         return str(path)
 
 
-def source_line(mark: Mark) -> str:
+def source_line(mark: Mark) -> tuple[str, int]:
+    """The line (or the part of it around the mark), and how many characters stand before the mark."""
     try:
-        with mark.file.open(encoding="utf-8", errors="replace") as file:
-            for number, line in enumerate(file, start=1):
-                if number == mark.line:
-                    text = "".join(c if c.isprintable() else " " for c in line.rstrip("\r\n"))
-                    return text[:160]
-    except OSError:
-        pass
-    return ""
+        state = os.stat(mark.file)
+        lines = _lines(mark.file, state.st_mtime_ns, state.st_size)
+    except (OSError, ValueError):
+        return "", 0
+    if mark.line > len(lines):
+        return "", 0
+    text, before = lines[mark.line - 1], mark.column - 1
+    start = max(0, before - MOST_COLUMNS // 2) if len(text) > MOST_COLUMNS else 0
+    part = text[start : start + MOST_COLUMNS]
+    return "".join(c if c.isprintable() else " " for c in part), before - start
+
+
+@lru_cache(maxsize=4)
+def _lines(file: Path, mtime_ns: int, size: int) -> list[str]:  # noqa: ARG001 - changes with the file
+    if not Path(file).is_file():
+        return []
+    text = Path(file).read_bytes().decode("utf-8-sig", errors="replace")
+    return _LINE_END.split(text)

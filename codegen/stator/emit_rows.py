@@ -33,7 +33,11 @@ def messages(plan: Plan) -> list[Message]:
 
 
 def interfaces(plan: Plan) -> list[Interface]:
+    """Those of the nodes, and of all the board's drivers, as the board knows every one of these."""
     found = {node.interface.name: node.interface for node in plan.graph.nodes.values()}
+    for device in plan.board.devices.values():
+        if device.driver != "none" and device.interface is not None:
+            found[device.interface.name] = device.interface
     return [found[name] for name in sorted(found)]
 
 
@@ -230,15 +234,22 @@ def log(plan: Plan) -> Row | None:
     logged = [t for t in plan.topics.values() if t.log_us is not None]
     return {
         "topics": [{"name": t.name, "format": _log_format(t.message), "interval_us": t.log_us,
+                    "bytes": sum(field.bytes for field in _logged_fields(t.message)),
                     "floats": _log_floats(t.message)} for t in logged],
         "parameters": [_log_parameter(node, key) for node in plan.graph.nodes.values()
                        for key in node.params],
     }
 
 
+def _logged_fields(message: Message) -> tuple[Field, ...]:
+    """Without the padding at the end, which readers of ULog do not expect in the data."""
+    last = message.fields[-1]
+    return message.fields[:-1] if last.name.startswith("_padding") else message.fields
+
+
 def _log_format(message: Message) -> str:
     parts = []
-    for field in message.fields:
+    for field in _logged_fields(message):
         count = "" if field.count is None else f"[{field.count}]"
         parts.append(f"{TYPES[field.type][1]}{count} {field.name};")
     return "".join(parts)
@@ -282,18 +293,16 @@ def program(plan: Plan) -> Row:
 
 
 def build(plan: Plan, files: dict[str, str]) -> Row:
-    apps = {}
-    for node in plan.graph.nodes.values():
-        if node.device is None:
-            apps[node.interface.name] = node.interface.file.parent
-        elif plan.board.devices[node.device].driver != "none":
-            driver = plan.board.devices[node.device].driver
-            folder = node.interface.file.parent / driver.split("/")[1]
-            apps[driver.replace("/", "_")] = folder
+    folders = {node.interface.name: node.interface.file.parent
+               for node in plan.graph.nodes.values() if node.device is None}
+    for device in plan.board.devices.values():
+        if device.driver != "none" and device.interface is not None:
+            folder = device.interface.file.parent / device.driver.split("/")[1]
+            folders[device.driver.replace("/", "_")] = folder
     inputs = [*plan.graph.files, plan.board.file]
     return {
         "sources": [name for name in files if name.endswith(".cpp")],
-        "libraries": [{"name": name, "folder": str(folder)} for name, folder in sorted(apps.items())],
+        "libraries": [{"name": name, "folder": str(folder)} for name, folder in sorted(folders.items())],
         "board": str(plan.board.file.parent),
         "executor": plan.board.executor,
         "inputs": sorted({str(path) for path in inputs}),

@@ -8,6 +8,7 @@ from __future__ import annotations
 from stator.shapes import (
     Anything,
     Boolean,
+    NAME_PATTERN,
     Choice,
     Integer,
     Key,
@@ -26,17 +27,27 @@ MOST_LEVELS = 15
 DEPTHS = (1, 2, 4, 8, 16)
 MOST_SLOTS = 32
 
-_UPPER_CAMEL = "[A-Z][A-Za-z0-9]{0,62}"
-MESSAGE_NAME = Text(_UPPER_CAMEL, "a message name in UpperCamel", "bad-name")
-_PATH_PART = "[A-Za-z0-9_][A-Za-z0-9_.-]*"
-RELATIVE_PATH = Text(rf"(\.\./)*({_PATH_PART}/)*{_PATH_PART}\.yaml",
-                     "the path of a .yaml file, relative to this one", "include-path")
+MOST_TIMERS = 32  # of one node: a bit each in what woke it
+MOST_MODES = 255
+MOST_LOGGED_BYTES = 1000  # of a message; a block of the log holds no more
+
+MESSAGE_NAME = Text("[A-Z][A-Za-z0-9]{0,62}", "a message name", "bad-name",
+                    "message names are UpperCamel, such as SensorGyro")
+_PATH_PART = "[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}"
+RELATIVE_PATH = Text(rf"(\.\./){{0,8}}({_PATH_PART}/){{0,8}}{_PATH_PART}\.yaml",
+                     "the path of a .yaml file, relative to this one", "include-path",
+                     "for example parts/estimation.yaml")
+PREFIX = Text("[a-z][a-z0-9]*(_[a-z0-9]+)*_?", "a prefix", "bad-name",
+              "lower case letters, digits and single underscores, such as left_")
+# It stands in comments and in the log's format, on one line.
+UNIT = Text(r"[!-\[\]-~°µ ]{1,32}", "a unit", hint="one short line, for example m/s^2, or \"1\" for none")
+_LATER = "graphs over several machines come in a later version"
 
 INCLUDE = Struct(
     {
         "file": Key(RELATIVE_PATH, "The file to include, relative to this one.", required=True),
-        "with": Key(Table(Raw(), "a variable"), "Values for its ${variables}."),
-        "prefix": Key(Name("a prefix"), "Put in front of its node names and the topics it publishes."),
+        "with": Key(Table(Raw(may_be_variable=True), "a variable"), "Values for its ${variables}."),
+        "prefix": Key(PREFIX, "Put in front of its node names and the topics it publishes."),
     }
 )
 
@@ -75,7 +86,8 @@ NODE = Struct(
         "inputs": Key(Table(INPUT, "an input"), "Input ports and the topics they read."),
         "outputs": Key(Table(Name("a topic"), "an output"), "Output ports and the topics they publish."),
         "params": Key(Table(Raw(), "a parameter"), "Values that differ from the interface's defaults."),
-    }
+    },
+    reserved={"machine": _LATER},
 )
 
 TOPIC = Struct(
@@ -83,10 +95,10 @@ TOPIC = Struct(
         "log": Key(Text(what="all, none or a rate"), "all, none, or a rate such as 50 Hz."),
         "depth": Key(Integer(1, DEPTHS[-1]), "Samples kept for queue readers: 1, 2, 4, 8 or 16."),
         "publishers": Key(Choice(("one", "many")), "Whether several nodes may publish at a time."),
-    }
+    },
+    reserved={"machine": _LATER, "link": _LATER},
 )
 
-_LATER = "topics that cross machines come in a later version"
 GRAPH = Struct(
     {
         "doc": Key(Text(), "What this graph is."),
@@ -129,9 +141,10 @@ FIELD = Struct(
     {
         "type": Key(Text(what="a type"), "bool, float, double, int8 to int64, uint8 to uint64; "
                     'arrays as "float[3]".', required=True),
-        "unit": Key(Text(), "Unit of the value."),
+        "unit": Key(UNIT, "Unit of the value."),
         "frame": Key(Choice(("B", "N")), "Body or local north-east-down."),
-        "values": Key(Table(Integer(0, 255), "a value"), "Names of an enumeration's values."),
+        "values": Key(Table(Integer(0, 255), "a value", key_pattern=NAME_PATTERN),
+                      "Names of an enumeration's values."),
         "doc": Key(Text(), "What it is.", required=True),
     }
 )
@@ -143,17 +156,20 @@ MESSAGE = Struct(
     }
 )
 
-PORT = Struct(
+_MESSAGE = Key(MESSAGE_NAME, "The message type.", required=True)
+_PORT_DOC = Key(Text(), "What it is for.", required=True)
+INPUT_PORT = Struct(
     {
-        "message": Key(MESSAGE_NAME, "The message type.", required=True),
+        "message": _MESSAGE,
         "optional": Key(Boolean(), "An input that a graph need not wire."),
-        "doc": Key(Text(), "What it is for.", required=True),
+        "doc": _PORT_DOC,
     }
 )
+OUTPUT_PORT = Struct({"message": _MESSAGE, "doc": _PORT_DOC})
 PARAM = Struct(
     {
         "type": Key(Choice(("float", "int32", "bool")), "Type of the value.", required=True),
-        "unit": Key(Text(), 'Unit of the value; "1" for none.'),
+        "unit": Key(UNIT, 'Unit of the value; "1" for none.'),
         "range": Key(Listing(Raw(), least=2, most=2), "Least and most."),
         "default": Key(Raw(), "The value if the graph says nothing.", required=True),
         "doc": Key(Text(), "What it does.", required=True),
@@ -164,21 +180,22 @@ INTERFACE = Struct(
         "doc": Key(Text(), "The node's place in the vehicle.", required=True),
         "lines": Key(Table(Struct({"doc": Key(Text(), "When it comes.", required=True)}), "a line"),
                      "Events of the device (device classes only)."),
-        "inputs": Key(Table(PORT, "an input"), "Input ports."),
-        "outputs": Key(Table(PORT, "an output"), "Output ports."),
+        "inputs": Key(Table(INPUT_PORT, "an input"), "Input ports."),
+        "outputs": Key(Table(OUTPUT_PORT, "an output"), "Output ports."),
         "params": Key(Table(PARAM, "a parameter"), "Parameters."),
         "reads_log": Key(Boolean(), "The node reads every logged topic through a generated table."),
     }
 )
 
+PIN = "P[A-K](1[0-5]|[0-9])"
 DEVICE = Struct(
     {
-        "driver": Key(Text("none|[a-z][a-z0-9_]*/[a-z][a-z0-9_]*", "a driver such as imu/mpu6000, or none"),
+        "driver": Key(Text("none|[a-z][a-z0-9_]{0,40}/[a-z][a-z0-9_]{0,40}", "a driver such as imu/mpu6000, or none"),
                       "The driver's folder below drivers/, or none.", required=True),
         "class": Key(Name("a device class"), "The device class, where driver is none."),
         "bus": Key(Name("a bus"), "The bus it is on."),
-        "pins": Key(Table(Text("P[A-K][0-9]{1,2}", "a pin such as PC2"), "a pin"), "Its pins."),
-        "lines": Key(Table(Text("[A-Za-z0-9_]+", "a pin or a peripheral"), "a line"),
+        "pins": Key(Table(Text(PIN, "a pin such as PC2"), "a pin"), "Its pins."),
+        "lines": Key(Table(Text("[A-Za-z0-9_]{1,40}", "a pin or a peripheral"), "a line"),
                      "The pin or peripheral of each line."),
     }
 )
@@ -186,9 +203,9 @@ BOARD = Struct(
     {
         "doc": Key(Text(), "What the board is."),
         "executor": Key(Choice(("cortex_m", "pthread", "virtual")), "Which runtime.", required=True),
-        "chip": Key(Text(rf"{_PATH_PART}(/{_PATH_PART})*", "a chip file such as stm32f4/stm32f427"),
+        "chip": Key(Text(rf"{_PATH_PART}(/{_PATH_PART}){{0,3}}", "a chip file such as stm32f4/stm32f427"),
                     "The chip's file below boards/, without .yaml."),
-        "reserved_vectors": Key(Listing(Text("[a-z0-9_]+", "a vector")),
+        "reserved_vectors": Key(Listing(Text("[a-z0-9_]{1,40}", "a vector")),
                                 "Vectors the board itself needs; no task gets them."),
         "devices": Key(Table(DEVICE, "a device"), "The devices and what drives them.", required=True),
     }
@@ -200,8 +217,9 @@ CHIP = Struct(
         "clock": Key(Text(what="a frequency"), "Core clock.", required=True),
         "priority_bits": Key(Integer(2, 8), "Bits of an NVIC priority.", required=True),
         "memory": Key(Table(Anything(), "a memory"), "Name: {at, bytes}."),
-        "vectors": Key(Table(Integer(0, 239), "a vector", key_pattern="[a-z][a-z0-9_]*"),
+        "vectors": Key(Table(Integer(0, 239), "a vector", key_pattern=NAME_PATTERN),
                        "Interrupt lines the chip really has.", required=True),
     }
 )
+# graph/budgets/BOARD.yaml: the most execution time of each node, as measured on that board.
 BUDGETS = Table(Period(), "a node")

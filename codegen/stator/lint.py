@@ -99,7 +99,7 @@ def clang_tidy(root: Path) -> str:
 CHECKS = {
     "clang-format": Check(clang_format, fixer=_clang_format("-i")),
     "ruff check": Check(
-        _run(_python("ruff", "check", "--quiet", ".")),
+        _run(_python("ruff", "check", "--quiet", "--output-format", "concise", ".")),
         fixer=_python("ruff", "check", "--quiet", "--fix", "."),
     ),
     "ruff format": Check(

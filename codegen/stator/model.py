@@ -101,6 +101,7 @@ class Device:
     driver: str  # "imu/sim", or "none"
     device_class: str
     lines: dict[str, str]
+    interface: Interface | None  # None: the class has errors
 
 
 @dataclass(frozen=True)

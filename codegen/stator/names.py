@@ -10,10 +10,19 @@ _CPP_KEYWORDS = frozenset(
     nullptr operator or or_eq private protected public register reinterpret_cast requires return
     short signed sizeof static static_assert static_cast struct switch template this thread_local
     throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t while
-    xor xor_eq final override import module""".split()
+    xor xor_eq final override import module typeof""".split()
 )
 _MACROS = frozenset("errno assert stdin stdout stderr linux unix i386 offsetof".split())
 _RUNTIME = frozenset("std stator now fired params timestamp main step".split())
+# Namespaces and functions that generated code names without qualification beside nodes and topics,
+# its own header files, and CMake targets.
+_GENERATED = frozenset(
+    """tasks topics board boards modes math testing messages parameters executor log_table interfaces
+    generated all_slots served_now later nominal_time_us set_pending clear_pending has_unread
+    lost_samples preempt take_latest release""".split()
+)
+_CLASSES = ("a node", "an app", "a device class")  # a node's name is its app's, as a rule
+_IN_GENERATED = ("a node", "an app", "a topic", "a device", "a device class")
 
 # Types in namespace stator, which messages and app classes cannot be called.
 _TYPES = frozenset(
@@ -23,13 +32,17 @@ _TYPES = frozenset(
 )
 
 
-def reserved_reason(name: str) -> str:
+def reserved_reason(name: str, what: str = "") -> str:
     """Why the name is taken; empty if it is free."""
     if name in _CPP_KEYWORDS:
         return "it is a word of C++"
     if name in _MACROS:
         return "the C library has taken it"
-    if name in _RUNTIME or upper_camel(name) in _TYPES:
+    if name.endswith("_t"):
+        return "names that end in _t are types of the C library"
+    if what in _IN_GENERATED and name in _GENERATED:
+        return "generated code has taken it"
+    if name in _RUNTIME or (what in _CLASSES and upper_camel(name) in _TYPES):
         return "the runtime has taken it"
     if "__" in name or name.endswith("_"):
         return "underscores stand singly and between other characters"

@@ -37,19 +37,22 @@ CONVERSIONS: dict[str, dict[str, Fraction]] = {
     "1": {"%": Fraction(1, 100)},
 }
 
-_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?")
+_NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]{1,3})?")
+_MOST_LENGTH = 64
 
 
 def split(text: str) -> tuple[Fraction, str] | None:
     """`1.5 ms` -> (3/2, 'ms'); a bare number has the unit ''. None if it is no number."""
     match = _NUMBER.match(text)
-    if match is None or len(text) > 64:
+    if match is None or len(text) > _MOST_LENGTH:
         return None
     return Fraction(match.group(0)), text[match.end() :].strip()
 
 
 def shown(value: Fraction) -> str:
     """A number as a person writes it."""
+    if abs(value) >= 10**15:
+        return "more than 10^15" if value > 0 else "less than -10^15"
     if value.denominator == 1:
         return str(value.numerator)
     return f"{float(value):.6g}"

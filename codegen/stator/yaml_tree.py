@@ -7,22 +7,26 @@ keys are refused, nesting and size are bounded, and nothing here recurses.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Union
+import re
+import stat
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias, Union
 
 import yaml
 
-from stator.diagnostics import Mark, Report
+from stator.diagnostics import Mark, Report, beside
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 MOST_BYTES = 16 * 1024 * 1024
 MOST_DEPTH = 32
+_REFUSED = re.compile(
+    "[^\t\n\r\x20-\x7e\x85\xa0-\u1fff\u2010-\u2027\u2030-\u205f\u2070-\ud7ff\ue000-\ufefe\uff00-\ufffd"
+    "\U00010000-\U0010ffff]"
+)  # what YAML refuses, and what hides or reorders the text around it
 
 
-@dataclass(frozen=True)
-class Scalar:
+class Scalar(NamedTuple):
     text: str
     mark: Mark
     quoted: bool = False
@@ -32,32 +36,39 @@ class Scalar:
         return not self.quoted and self.text in ("", "null", "~")
 
 
-@dataclass(frozen=True)
-class Sequence:
+class Sequence(NamedTuple):
     items: list[Tree]
     mark: Mark
 
 
-@dataclass(frozen=True)
-class Mapping:
+class Mapping(NamedTuple):
     entries: dict[str, Tree]
     mark: Mark
-    keys: dict[str, Mark] = field(default_factory=dict)
+    keys: dict[str, Mark]
+    owner: Mark  # of the key that holds this mapping, else of the mapping itself
 
 
-Tree = Union[Scalar, Sequence, Mapping]
+Tree: TypeAlias = Union[Scalar, Sequence, Mapping]
 
 
 def load(path: Path, report: Report) -> Tree | None:
     """Reads one file; None if it could not be understood (then the report says why)."""
     start = Mark(path, 1, 1)
     try:
-        if path.stat().st_size > MOST_BYTES:
-            report.error(start, "file-too-large", f"the file is larger than {MOST_BYTES} bytes")
+        state = path.stat()
+        if not stat.S_ISREG(state.st_mode):
+            what = "a folder" if stat.S_ISDIR(state.st_mode) else "no regular file"
+            report.error(start, "file-missing", f"cannot read the file: it is {what}")
             return None
-        text = path.read_bytes().decode("utf-8")
+        if state.st_size > MOST_BYTES:
+            report.error(start, "file-too-large", f"the file has {state.st_size} bytes, more than "
+                         f"{MOST_BYTES}", "split the graph with `include`")
+            return None
+        text = path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        report.error(start, "encoding", f"not UTF-8 text: byte {error.start} is {error.reason}")
+        line = error.object[: error.start].count(b"\n") + 1
+        report.error(Mark(path, line, 1), "encoding", f"not UTF-8 text: {error.reason} in this line",
+                     "save the file as UTF-8")
         return None
     except OSError as error:
         report.error(start, "file-missing", f"cannot read the file: {error.strerror}")
@@ -67,25 +78,61 @@ def load(path: Path, report: Report) -> Tree | None:
 
 def parse(text: str, path: Path, report: Report) -> Tree | None:
     """Parses YAML text as if it were the content of `path`."""
+    refused = _REFUSED.search(text)
+    if refused is not None:
+        before = text[: refused.start()]
+        mark = Mark(path, before.count("\n") + 1, refused.start() - (before.rfind("\n") + 1) + 1)
+        _refuse_character(mark, refused.group(0), report)
+        return None
     try:
         return _Builder(path, report).build(text)
     except yaml.MarkedYAMLError as error:
         position = error.problem_mark or error.context_mark
         line, column = (position.line + 1, position.column + 1) if position else (1, 1)
-        report.error(Mark(path, line, column), "yaml-syntax", f"not YAML: {error.problem}")
+        report.error(Mark(path, line, column), "yaml-syntax", f"not YAML: {error.problem}",
+                     _syntax_hint(error, text, line, column))
     except yaml.YAMLError as error:
         report.error(Mark(path, 1, 1), "yaml-syntax", f"not YAML: {str(error).splitlines()[0]}")
     return None
 
 
-@dataclass
+def _refuse_character(mark: Mark, character: str, report: Report) -> None:
+    report.error(mark, "encoding", f"the character U+{ord(character):04X} cannot stand in a file",
+                 "remove it; it is invisible or a control character")
+
+
+def _syntax_hint(error: yaml.MarkedYAMLError, text: str, line: int, column: int) -> str:
+    problem = error.problem or ""
+    lines = text.splitlines()
+    shown = lines[line - 1] if line <= len(lines) else ""
+    if "\t" in shown[: len(shown) - len(shown.lstrip())] or shown[column - 1 : column] == "\t":
+        return "indent with spaces, not with tabs"
+    if "mapping values are not allowed" in problem:
+        return "text with ': ' in it stands in quotes; or the indentation of this line is off"
+    if error.context_mark is not None and "flow" in (error.context or ""):
+        return f"the bracket that opens in line {error.context_mark.line + 1} is not closed before here"
+    if "quoted scalar" in (error.context or "") and error.context_mark is not None:
+        return f"the quote that opens in line {error.context_mark.line + 1} is not closed"
+    if "block" in (error.context or "") or "expected ':'" in problem:
+        return "the indentation of this line does not fit the lines above, or a ':' is missing"
+    if "cannot start any token" in problem:
+        return "text that begins with this character stands in quotes"
+    return ""
+
+
 class _Open:
     """A collection whose end has not come yet."""
 
-    node: Sequence | Mapping
-    key: str | None = None
-    key_mark: Mark | None = None
-    skip: bool = False  # the value belongs to a duplicate key
+    __slots__ = ("entries", "items", "key", "key_mark", "keys", "skip")
+
+    def __init__(self, node: Sequence | Mapping) -> None:
+        is_mapping = isinstance(node, Mapping)
+        self.items = None if is_mapping else node.items
+        self.entries = node.entries if is_mapping else {}
+        self.keys = node.keys if is_mapping else {}
+        self.key: str | None = None
+        self.key_mark: Mark | None = None
+        self.skip = False  # the value belongs to a duplicate key
 
 
 class _Builder:
@@ -96,60 +143,79 @@ class _Builder:
         self._root: Tree | None = None
 
     def build(self, text: str) -> Tree | None:
+        """One pass over the events; stops at the first thing that is refused, except that all
+        duplicate keys are reported."""
         documents = 0
+        path, stack = self._path, self._stack
         for event in yaml.parse(text, Loader=yaml.CSafeLoader):
-            if isinstance(event, yaml.ScalarEvent):
-                mark = self._mark(event)
-                if not self._plain(event, mark):
+            kind = type(event)
+            if kind is yaml.ScalarEvent:
+                place = event.start_mark
+                mark = Mark(path, place.line + 1, place.column + 1)
+                if not self._is_plain(event, mark) or not self._is_shown(event.value, mark):
                     return None
-                self._add(Scalar(event.value, mark, bool(event.style)))
-            elif isinstance(event, (yaml.MappingStartEvent, yaml.SequenceStartEvent)):
-                mark = self._mark(event)
-                if not self._plain(event, mark) or not self._shallow(mark):
+                if not self._add(Scalar(event.value, mark, bool(event.style))):
                     return None
-                is_mapping = isinstance(event, yaml.MappingStartEvent)
-                node = Mapping({}, mark) if is_mapping else Sequence([], mark)
+            elif kind is yaml.MappingStartEvent or kind is yaml.SequenceStartEvent:
+                mark = self._mark(event)
+                if not self._is_plain(event, mark) or not self._is_shallow(mark):
+                    return None
+                node = self._collection(kind is yaml.MappingStartEvent, mark)
                 if not self._add(node):
                     return None
-                self._stack.append(_Open(node))
-            elif isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
-                self._stack.pop()
-            elif isinstance(event, yaml.AliasEvent):
-                self._error(self._mark(event), "yaml-alias", f"alias '*{event.anchor}' is refused",
-                            "write the value again, or use `include` with `with`")
+                stack.append(_Open(node))
+            elif kind is yaml.MappingEndEvent or kind is yaml.SequenceEndEvent:
+                stack.pop()
+            elif kind is yaml.AliasEvent:
+                self._refuse_alias(self._mark(event), f"alias '*{event.anchor}'")
                 return None
-            elif isinstance(event, yaml.DocumentStartEvent):
+            elif kind is yaml.DocumentStartEvent:
                 documents += 1
                 if documents > 1:
-                    self._error(self._mark(event), "yaml-documents",
-                                "a second document in one file", "remove the line `---`")
+                    self._report.error(self._mark(event), "yaml-documents",
+                                       "a second document in one file", "remove the line `---`")
                     return None
         if self._root is None or (isinstance(self._root, Scalar) and self._root.is_null):
-            self._error(Mark(self._path, 1, 1), "yaml-empty", "the file has no content")
+            self._report.error(Mark(path, 1, 1), "yaml-empty", "the file has no content")
             return None
         return self._root
 
     def _mark(self, event: yaml.Event) -> Mark:
         return Mark(self._path, event.start_mark.line + 1, event.start_mark.column + 1)
 
-    def _error(self, mark: Mark, rule: str, message: str, hint: str = "") -> None:
-        self._report.error(mark, rule, message, hint)
+    def _collection(self, is_mapping: bool, mark: Mark) -> Sequence | Mapping:
+        if not is_mapping:
+            return Sequence([], mark)
+        key_mark = self._stack[-1].key_mark if self._stack else None
+        return Mapping({}, mark, {}, key_mark or mark)
 
-    def _plain(self, event: yaml.NodeEvent, mark: Mark) -> bool:
+    def _refuse_alias(self, mark: Mark, what: str) -> None:
+        self._report.error(mark, "yaml-alias", f"{what} is refused",
+                           "write the value again, or use `include` with `with`")
+
+    def _is_plain(self, event: yaml.NodeEvent, mark: Mark) -> bool:
         if event.anchor is not None:
-            self._error(mark, "yaml-alias", f"anchor '&{event.anchor}' is refused",
-                        "write the value again, or use `include` with `with`")
+            self._refuse_alias(mark, f"anchor '&{event.anchor}'")
             return False
-        if getattr(event, "tag", None) is not None:
-            self._error(mark, "yaml-tag", f"tag '{event.tag}' is refused",
-                        "remove the tag; the key says what type its value has")
+        if event.tag is not None:
+            self._report.error(mark, "yaml-tag", f"tag '{event.tag}' is refused",
+                               "remove the tag; the key says what type its value has")
             return False
         return True
 
-    def _shallow(self, mark: Mark) -> bool:
+    def _is_shown(self, text: str, mark: Mark) -> bool:
+        """Escapes such as \\0 bring in characters that the file itself could not hold."""
+        refused = None if text.isprintable() else _REFUSED.search(text)
+        if refused is None:
+            return True
+        _refuse_character(mark, refused.group(0), self._report)
+        return False
+
+    def _is_shallow(self, mark: Mark) -> bool:
         if len(self._stack) < MOST_DEPTH:
             return True
-        self._error(mark, "yaml-depth", f"nested deeper than {MOST_DEPTH} levels")
+        self._report.error(mark, "yaml-depth", f"nested deeper than {MOST_DEPTH} levels",
+                           "no file of Stator needs more than eight")
         return False
 
     def _add(self, node: Tree) -> bool:
@@ -157,22 +223,26 @@ class _Builder:
             self._root = node
             return True
         top = self._stack[-1]
-        if isinstance(top.node, Sequence):
-            top.node.items.append(node)
+        if top.items is not None:
+            top.items.append(node)
             return True
         if top.key is None:
-            if not isinstance(node, Scalar):
-                self._error(node.mark, "wrong-shape", "a key must be a name")
-                return False
-            top.key, top.key_mark = node.text, node.mark
-            top.skip = node.text in top.node.entries
-            if top.skip:
-                first = top.node.keys[node.text]
-                self._error(node.mark, "duplicate-key", f"key '{node.text}' stands here twice",
-                            f"the other one is in line {first.line}; keep one of them")
-            return True
+            return self._begin_entry(top, node)
         if not top.skip and top.key_mark is not None:
-            top.node.entries[top.key] = node
-            top.node.keys[top.key] = top.key_mark
+            top.entries[top.key] = node
+            top.keys[top.key] = top.key_mark
         top.key = None
+        return True
+
+    def _begin_entry(self, top: _Open, key: Tree) -> bool:
+        if not isinstance(key, Scalar):
+            self._report.error(key.mark, "wrong-shape", "a key must be a name",
+                               "text that begins with a bracket stands in quotes")
+            return False
+        top.key, top.key_mark = key.text, key.mark
+        top.skip = key.text in top.entries
+        if top.skip:
+            first = top.keys[key.text]
+            self._report.error(key.mark, "duplicate-key", f"key '{key.text[:60]}' stands here twice",
+                               f"the other one is in {beside(key.mark, first)}; keep one of them")
         return True

@@ -32,11 +32,10 @@ T exp_of(DoubleWord<T> x) {
     constexpr T kLowest = static_cast<T>(Limits::min_exponent - Limits::digits - 1) * C::kLn2.high;
     if (x.high > kHighest) return Limits::infinity();
     if (x.high < kLowest) return T{0};
-    const T n = round(x.high * C::kLog2E);
+    const T n = detail::nearest(x.high * C::kLog2E);
     const T leading = x.high - n * C::kLn2.high;
-    const DoubleWord<T> product = detail::two_product(n, C::kLn2.low);
-    const DoubleWord<T> part = detail::two_sum(leading, -product.high);
-    const DoubleWord<T> r = detail::two_sum(part.high, part.low + (x.low - product.low));
+    const DoubleWord<T> part = detail::two_sum(leading, -n * C::kLn2.low);
+    const DoubleWord<T> r = detail::two_sum(part.high, part.low + x.low);
     const T rest = square(r.high) * detail::polynomial(r.high, C::kExp);
     const DoubleWord<T> sum = detail::fast_two_sum(T{1}, r.high);
     const T value = sum.high + (sum.low + (rest + (r.low + r.high * r.low)));

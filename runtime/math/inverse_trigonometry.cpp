@@ -34,10 +34,9 @@ template <typename T>
 DoubleWord<T> atan_of_ratio(T a, T b) {
     constexpr T kTiny = std::numeric_limits<T>::digits == 24 ? T{0x1p-13} : T{0x1p-27};
     constexpr T kTanEighth = static_cast<T>(0.41421356237309503);
-    const T plain = a / b;
-    if (plain < kTiny) return {plain, T{0}};
+    if (a < kTiny * b) return {a / b, T{0}};
     const Ratio<T> ratio = scaled(a, b);
-    const bool upper = plain > kTanEighth;
+    const bool upper = ratio.a > kTanEighth * ratio.b;
     const DoubleWord<T> above =
         upper ? detail::two_sum(ratio.a, -ratio.b) : DoubleWord<T>{ratio.a, T{0}};
     const DoubleWord<T> below =

@@ -2,7 +2,6 @@
 // that neither make whole turns nor lie below the precision needed.
 #include "detail/reduction.hpp"
 
-#include "detail/coefficients.hpp"
 #include "detail/exponent.hpp"
 
 namespace stator::math::detail {
@@ -111,7 +110,7 @@ ReducedAngle<T> reduced(DoubleWord<T> magnitude, bool below, unsigned quarters, 
 
 }  // namespace
 
-ReducedAngle<float> reduce_angle(float x) {
+ReducedAngle<float> reduce_any_angle(float x) {
     const std::uint64_t turns = quarter_turns(x);
     // Above half a quarter, `fraction` as a signed number is what is missing to the next one.
     const std::uint64_t fraction = turns << 2;
@@ -120,7 +119,7 @@ ReducedAngle<float> reduce_angle(float x) {
     return reduced(radians(below ? 0 - fraction : fraction), below, quarters, x < 0.0f);
 }
 
-ReducedAngle<double> reduce_angle(double x) {
+ReducedAngle<double> reduce_any_angle(double x) {
     const Wide turns = quarter_turns(x);
     const Wide fraction = shifted_left(turns, 2);
     const bool below = (fraction.high >> 63) != 0;

@@ -18,10 +18,15 @@ ReducedAngle<T> reduced(T x) {
     return detail::reduce_angle(x);
 }
 
+// Below, sin x = tan x = x to within rounding, which also keeps the sign of a zero.
+template <typename T>
+inline constexpr T kTiny = std::numeric_limits<T>::digits == 24 ? T{0x1p-13} : T{0x1p-27};
+
 // The kernels take r in [-pi/4, pi/4], or a little beyond. What is added to r or 1 last is small,
 // so that little but the last rounding is left as error.
 template <typename T>
 T sin_kernel(DoubleWord<T> r) {
+    if (abs(r.high) < kTiny<T>) return r.high;
     const T z = square(r.high);
     const T cubic = r.high * z * detail::polynomial(z, Coefficients<T>::kSin);
     return r.high + (cubic + r.low * (T{1} - T{0.5} * z));
@@ -60,7 +65,7 @@ SinCos<T> sincos_of(T x) {
     const ReducedAngle<T> angle = reduced(x);
     const T s = sin_kernel(angle.rest);
     const T c = cos_kernel(angle.rest);
-    switch (angle.quarter_turns) {
+    switch (angle.quarter_turns & 3) {
         case 0:
             return {s, c};
         case 1:
@@ -92,9 +97,7 @@ DoubleWord<T> cos_double_word(DoubleWord<T> r) {
 template <typename T>
 T tan_of(T x) {
     if (!is_finite(x)) return canonical_nan<T>();
-    // tan x = x to within rounding; squares below would underflow.
-    constexpr T kTiny = std::numeric_limits<T>::digits == 24 ? T{0x1p-13} : T{0x1p-27};
-    if (abs(x) < kTiny) return x;
+    if (abs(x) < kTiny<T>) return x;
     const ReducedAngle<T> angle = reduced(x);
     const DoubleWord<T> s = sin_double_word(angle.rest);
     const DoubleWord<T> c = cos_double_word(angle.rest);

@@ -68,6 +68,7 @@ void dispatch() {
 }
 
 void use_random_times(const RandomTimes& times) {
+    require(kHasPreemptionPoints, "this build has no preemption points");
     random_times = times;
     random_state = times.seed;
     executor.preemption_armed = true;

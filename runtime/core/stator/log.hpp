@@ -29,6 +29,7 @@ struct LogTopic {
     LogCursor* cursor;
     const LogFloats* floats;
     uint16_t float_count;
+    uint16_t bytes;        // of a sample, without padding at its end
     uint32_t interval_us;  // 0: every sample
 };
 

@@ -157,42 +157,50 @@ struct Loan {
     uint8_t slot = 0;
 };
 
-// Finds a slot that nobody reads. The compiler's slot count makes sure there is one. `keep`: a
-// reader outranks this publisher, so the oldest sample of the history is not overwritten in place.
-inline Loan loan(const Topic& topic, bool keep) {
-    TopicState& state = *topic.state;
-    const Section section(topic.ceiling);
-    Loan result;
-    result.saved_free = state.free.load();
-    uint32_t kept = state.history.load();
-    if (!keep && kept != 0) {
-        if (topic.depth == 1) {
-            kept = 0;
-        } else if (std::popcount(kept) == topic.depth) {
-            const uint32_t oldest = state.head.load() - topic.depth;
-            kept &= ~slot_mask(topic.ring[oldest & (2U * topic.depth - 1)].load());
-        }
-    }
-    const uint32_t usable = result.saved_free & ~kept;
-    require(usable != 0, "topic: no free slot");
-    result.slot = static_cast<uint8_t>(std::countl_zero(usable));
-    if (topic.ceiling != 0) state.free.store(result.saved_free & ~slot_mask(result.slot));
-    return result;
+// The common case, worth a short path: only the newest sample counts, and one level publishes.
+inline bool is_plain(const Topic& topic) { return topic.depth == 1 && topic.ceiling == 0; }
+
+// Samples of the history that a publisher may not overwrite. Without `keep` no reader outranks it,
+// so the oldest one may be overwritten in place.
+inline uint32_t kept_history(const Topic& topic, bool keep) {
+    const uint32_t history = topic.state->history.load();
+    if (keep || std::popcount(history) < topic.depth) return history;
+    if (topic.depth == 1) return 0;
+    const uint32_t oldest = topic.state->head.load() - topic.depth;
+    return history & ~slot_mask(topic.ring[oldest & (2U * topic.depth - 1)].load());
 }
 
-// Makes the sample the newest one. `head` is the one commit point for queue readers, `history` for
-// readers of the newest at depth 1.
-inline void commit(const Topic& topic, const Loan& loaned) {
+[[gnu::noinline]] inline Loan loan_in_history(const Topic& topic, bool keep) {
+    const Section section(topic.ceiling);
+    const uint32_t free = topic.state->free.load();
+    const uint32_t usable = free & ~kept_history(topic, keep);
+    require(usable != 0, "topic: no free slot");
+    const auto slot = static_cast<uint8_t>(std::countl_zero(usable));
+    if (topic.ceiling != 0) topic.state->free.store(free & ~slot_mask(slot));
+    return {free, slot};
+}
+
+// Finds a slot that nobody reads. The compiler's slot count makes sure there is one. `keep`: a
+// reader outranks this publisher.
+inline Loan loan(const Topic& topic, bool keep) {
+    if (!is_plain(topic)) return loan_in_history(topic, keep);
+    const uint32_t free = topic.state->free.load();
+    const uint32_t usable = keep ? free & ~topic.state->history.load() : free;
+    require(usable != 0, "topic: no free slot");
+    return {free, static_cast<uint8_t>(std::countl_zero(usable))};
+}
+
+[[gnu::noinline]] inline void commit_to_history(const Topic& topic, Loan loaned) {
     TopicState& state = *topic.state;
     const Section section(topic.ceiling);
     const uint32_t head = state.head.load();
     topic.number[loaned.slot].store(head + 1);
+    uint32_t history = state.history.load();
     if (topic.depth == 1) {
         state.history.store(slot_mask(loaned.slot));
         state.head.store(head + 1);
     } else {
         const uint32_t last = 2U * topic.depth - 1;
-        uint32_t history = state.history.load();
         if (std::popcount(history) == topic.depth) {
             history &= ~slot_mask(topic.ring[(head - topic.depth) & last].load());
         }
@@ -203,8 +211,17 @@ inline void commit(const Topic& topic, const Loan& loaned) {
     if (topic.ceiling != 0) state.free.store(loaned.saved_free);
 }
 
-// Wakes the subscribers of a topic whose newest sample is stamped `timestamp_us`.
-inline void activate(const Topic& topic, uint64_t timestamp_us) {
+// Makes the sample the newest one. `head` is the one commit point for queue readers, `history` for
+// readers of the newest at depth 1.
+inline void commit(const Topic& topic, Loan loaned) {
+    if (!is_plain(topic)) return commit_to_history(topic, loaned);
+    const uint32_t number = topic.state->head.load() + 1;
+    topic.number[loaned.slot].store(number);
+    topic.state->history.store(slot_mask(loaned.slot));
+    topic.state->head.store(number);
+}
+
+[[gnu::noinline]] inline void wake(const Topic& topic, uint64_t timestamp_us) {
     for (unsigned i = 0; i < topic.thinned_count; ++i) {
         const Thinned& thinned = topic.thinned[i];
         const Section section(topic.ceiling);
@@ -215,7 +232,12 @@ inline void activate(const Topic& topic, uint64_t timestamp_us) {
         set_pending(thinned.pend);
     }
     for (unsigned i = 0; i < topic.subscriber_count; ++i) set_pending(topic.subscribers[i]);
-    if (topic.subscriber_count + topic.thinned_count != 0) preempt();
+    preempt();
+}
+
+// Wakes the subscribers of a topic whose newest sample is stamped `timestamp_us`.
+inline void activate(const Topic& topic, uint64_t timestamp_us) {
+    if (topic.subscriber_count + topic.thinned_count != 0) wake(topic, timestamp_us);
 }
 
 }  // namespace stator

@@ -46,6 +46,8 @@ struct Coefficients<float> {
     static constexpr DoubleWord<float> kLn2{0x1.62e4p-1f, 0x1.7f7d1cp-20f};
     static constexpr DoubleWord<float> kTwoThirds{0x1.555556p-1f, -0x1.555556p-26f};
     static constexpr DoubleWord<float> kTwoFifths{0x1.99999ap-2f, -0x1.99999ap-28f};
+    static constexpr float kHalfPiParts[] = {0x1.922p+0f, -0x1.2afp-18f, 0x1.0b4612p-34f};
+    static constexpr float kTwoOverPiRounded = 0x1.45f306p-1f;
     static constexpr float kLog2E = 0x1.715476p+0f;
 };
 
@@ -98,6 +100,9 @@ struct Coefficients<double> {
     static constexpr DoubleWord<double> kLn2{0x1.62e42fefa38p-1, 0x1.ef35793c7673p-45};
     static constexpr DoubleWord<double> kTwoThirds{0x1.5555555555555p-1, 0x1.5555555555555p-55};
     static constexpr DoubleWord<double> kTwoFifths{0x1.999999999999ap-2, -0x1.999999999999ap-56};
+    static constexpr double kHalfPiParts[] = {0x1.921fb544p+0, 0x1.0b4611a6p-34,
+                                              0x1.3198a2e037073p-69};
+    static constexpr double kTwoOverPiRounded = 0x1.45f306dc9c883p-1;
     static constexpr double kLog2E = 0x1.71547652b82fep+0;
 };
 

@@ -5,6 +5,14 @@
 
 namespace stator::math::detail {
 
+// The whole number nearest to x, the even one of two: adding and taking away 1.5 * 2^fraction bits
+// leaves no room for a fraction. |x| below a quarter of that.
+template <std::floating_point T>
+constexpr T nearest(T x) {
+    constexpr T kShift = T{1.5} / std::numeric_limits<T>::epsilon();
+    return (x + kShift) - kShift;
+}
+
 // 2^n; n within the exponents of normal numbers.
 template <std::floating_point T>
 constexpr T power_of_two(int n) {

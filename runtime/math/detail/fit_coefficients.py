@@ -22,16 +22,17 @@ Function = Callable[[mpf], mpf]
 
 @dataclass(frozen=True)
 class Format:
-    """A C++ floating-point type, and the digits of an ln 2 that any exponent multiplies exactly."""
+    """A C++ floating-point type, and the digits of constants that multiply exactly."""
 
     name: str
     digits: int
     suffix: str
-    ln2_high_digits: int
+    ln2_high_digits: int  # times exponents
+    half_pi_digits: int  # times counts of quarter turns
 
 
-FLOAT = Format("float", 24, "f", 15)
-DOUBLE = Format("double", 53, "", 42)
+FLOAT = Format("float", 24, "f", 15, 14)
+DOUBLE = Format("double", 53, "", 42, 32)
 
 
 @dataclass(frozen=True)
@@ -228,6 +229,13 @@ def constants(form: Format) -> list[str]:
     for name, value, high_digits in pairs:
         high, low = (literal(part, form) for part in words(value, form, high_digits))
         lines.append(f"    static constexpr DoubleWord<{form.name}> {name}{{{high}, {low}}};")
+    parts: list[mpf] = []
+    for digits in (form.half_pi_digits, form.half_pi_digits, form.digits):
+        parts.append(rounded(mp.pi / 2 - sum(parts, mpf(0)), digits))
+    numbers = ", ".join(literal(part, form) for part in parts)
+    lines.append(f"    static constexpr {form.name} kHalfPiParts[] = {{{numbers}}};")
+    two_over_pi = literal(rounded(2 / mp.pi, form.digits), form)
+    lines.append(f"    static constexpr {form.name} kTwoOverPiRounded = {two_over_pi};")
     log2_e = literal(rounded(1 / mp.ln2, form.digits), form)
     lines.append(f"    static constexpr {form.name} kLog2E = {log2_e};")
     return lines

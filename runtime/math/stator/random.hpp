@@ -33,7 +33,7 @@ class Random {
     float uniform_float() { return static_cast<float>(word() >> 8) * 0x1p-24f; }
     double uniform_double();
 
-    // Standard normal (Box and Muller 1958, the cosine only); always two words for float, three
+    // Standard normal (Box and Muller 1958, one of the two); always two words for float, three
     // for double. Magnitude at most 6.7 (float) or 8.6 (double), where chance has the last word
     // once in 10^11 or 10^17 draws.
     float gaussian_float();

@@ -126,20 +126,25 @@ Quaternion<T> from_euler(const EulerAngles<T>& angles) {
                          y.sin * p.cos * r.cos - y.cos * p.sin * r.sin);
 }
 
-// Yaw of a unit quaternion: where the nose points, from north over east. At pitch +-pi/2 it is
-// some angle that is right with the roll of to_euler.
+// Yaw of a unit quaternion: where the nose points, from north over east. With the nose straight up
+// or down there is none, and this is any angle.
 template <typename T>
 T heading(const Quaternion<T>& q_NB) {
     return atan2(T{2} * (q_NB.w() * q_NB.z() + q_NB.x() * q_NB.y()),
                  T{1} - T{2} * (square(q_NB.y()) + square(q_NB.z())));
 }
 
+// With the nose straight up or down, one of many that are right. By half sum s and half difference
+// d of yaw and roll: (w + y, z - x) = (cos p/2 + sin p/2) (cos d, sin d), and (w - y, z + x) = (cos
+// p/2 - sin p/2) (cos s, sin s), from the products in from_euler.
 template <typename T>
 EulerAngles<T> to_euler(const Quaternion<T>& q_NB) {
-    const Matrix3<T> R_NB = q_NB.toRotationMatrix();
-    const T cos_pitch = sqrt(square(R_NB(0, 0)) + square(R_NB(1, 0)));
-    return {atan2(R_NB(2, 1), R_NB(2, 2)), atan2(-R_NB(2, 0), cos_pitch),
-            atan2(R_NB(1, 0), R_NB(0, 0))};
+    const Eigen::Matrix<T, 2, 1> up(q_NB.w() + q_NB.y(), q_NB.z() - q_NB.x());
+    const Eigen::Matrix<T, 2, 1> down(q_NB.w() - q_NB.y(), q_NB.z() + q_NB.x());
+    const T half_sum = atan2(down.y(), down.x());
+    const T half_difference = atan2(up.y(), up.x());
+    return {wrap_pi(half_sum - half_difference), T{2} * atan2(norm(up), norm(down)) - kHalfPi<T>,
+            wrap_pi(half_sum + half_difference)};
 }
 
 // Angle between the body's z axis and the local one, in [0, pi]: 0 when level.

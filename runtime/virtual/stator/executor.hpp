@@ -50,11 +50,21 @@ inline void preempt() {
     if (first_pending() < executor.limit) dispatch();
 }
 
-// Lets time pass in the middle of a job, so that others preempt it (`--times`).
+// Whether jobs can be preempted in the middle (`--times`): costs a test at every shared access, so
+// that builds which do not need it leave it out.
+#ifdef STATOR_PREEMPTION_POINTS
+inline constexpr bool kHasPreemptionPoints = true;
+#else
+inline constexpr bool kHasPreemptionPoints = false;
+#endif
+
+// Lets time pass in the middle of a job, so that others preempt it.
 void pass_preemption_point();
 inline void preemption_point() {
-    if (executor.preemption_armed) [[unlikely]] {
-        pass_preemption_point();
+    if constexpr (kHasPreemptionPoints) {
+        if (executor.preemption_armed) [[unlikely]] {
+            pass_preemption_point();
+        }
     }
 }
 

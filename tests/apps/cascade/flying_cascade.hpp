@@ -7,6 +7,7 @@
 
 #include "allocation.hpp"
 #include "attitude_control.hpp"
+#include "iris_params.hpp"
 #include "position_control.hpp"
 #include "rate_control.hpp"
 #include "sequence.hpp"
@@ -55,7 +56,6 @@ class IrisBody {
 
     bool is_on_ground() const { return state.position_N.z() >= 0.0; }
     double touchdown_speed() const { return touchdown_speed_; }
-    double motor_speed(unsigned i) const { return speed_[i]; }
     void start_hovering() { speed_.fill(803.0); }
 
     BodyState state;
@@ -114,12 +114,12 @@ class FlyingCascade {
         status.arming_state = VehicleStatus::ArmingState::kArmed;
     }
 
-    // In the air, motors turning, controllers past spool-up.
+    // In the air, long enough for spool-up and the drop that it causes to be over.
     void start_hovering(double height) {
         body.state.position_N.z() = -height;
         body.start_hovering();
         hold_position({0.0F, 0.0F, static_cast<float>(-height)});
-        for (int i = 0; i < 5000; ++i) step();
+        for (int i = 0; i < 20'000; ++i) step();
     }
     void hold_position(const std::array<float, 3>& position_N, float yaw = 0.0F) {
         trajectory = {};
@@ -147,7 +147,7 @@ class FlyingCascade {
     bool control_position = true;
     bool position_is_valid = true;
 
-    SequenceParams sequence_params{};
+    SequenceParams sequence_params = kSequenceParams;
 
   private:
     void remember() {
@@ -243,10 +243,10 @@ class FlyingCascade {
     AttitudeControl attitude_control_;
     RateControl rate_control_;
     Allocation allocation_;
-    PositionControlParams position_params_{};
-    AttitudeControlParams attitude_params_{};
-    RateControlParams rate_params_{};
-    AllocationParams allocation_params_{};
+    PositionControlParams position_params_ = kPositionControlParams;
+    AttitudeControlParams attitude_params_ = kAttitudeControlParams;
+    RateControlParams rate_params_ = kRateControlParams;
+    AllocationParams allocation_params_ = kAllocationParams;
 };
 
 }  // namespace stator::testing

@@ -33,7 +33,9 @@ void run(Plant& plant, double seconds, double dt = 1e-3) {
 // sqrt(m g / (4 k_T)) = sqrt(1.535 * 9.80665 / (4 * 5.84e-6)), with a calculator.
 constexpr double kHoverSpeed = 802.746;
 
-float hover_control() { return static_cast<float>(std::pow(kHoverSpeed / 1100.0, 2)); }
+float hover_control() {
+    return static_cast<float>(std::pow(kHoverSpeed / 1100.0, 2));
+}
 
 TEST(Plant, falls_freely) {
     Plant plant(without_drag(), in_the_air());
@@ -115,6 +117,21 @@ TEST(Plant, rotors_brake_sideways_motion) {
     const double left = std::exp(-4.0 * 1.75e-4 * kHoverSpeed / 1.535);
     EXPECT_NEAR(plant.state().velocity_N.x(), 3.0 * left, 1e-5);
     EXPECT_NEAR(plant.state().velocity_N.y(), -2.0 * left, 1e-5);
+}
+
+TEST(Plant, rotors_brake_yaw) {
+    QuadParameters parameters = without_drag();
+    parameters.rotor_drag = 1.75e-4;
+    QuadState state = in_the_air();
+    state.rate_B.z() = 2.0;
+    state.rotor_speeds.setConstant(kHoverSpeed);
+    Plant plant(parameters, state);
+    plant.command({hover_control(), hover_control(), hover_control(), hover_control()});
+    run(plant, 1.0);
+    // Izz rate' = -k speed rate times the sum of the arms squared, two of each length.
+    const double arms2 = 2.0 * (0.13 * 0.13 + 0.22 * 0.22) + 2.0 * (0.13 * 0.13 + 0.20 * 0.20);
+    const double left = std::exp(-1.75e-4 * kHoverSpeed * arms2 / 0.055225);
+    EXPECT_NEAR(plant.state().rate_B.z(), 2.0 * left, 1e-5);
 }
 
 TEST(Plant, motors_lag_by_their_time_constants) {

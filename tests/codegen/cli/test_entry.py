@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from stator.cli import COMMANDS
+
 ROOT = Path(__file__).resolve().parents[3]
 REAL_PYTHON = os.path.realpath(sys.executable)
 MACHTYPE = subprocess.run(
@@ -164,6 +166,7 @@ def test_a_failing_apt_is_shown_with_the_commands_to_type(machine: Machine) -> N
     machine.add_program("apt-get", "echo Temporary failure resolving; exit 100")
     result = machine.run("fly", STATOR_PYTHON=REAL_PYTHON)
     assert result.returncode == 1
+    assert "stator: error: apt-get failed to install: hovercraft; the end of " in result.stdout
     assert "    Temporary failure resolving\n" in result.stdout
     assert re.search(r"by hand: (sudo )?apt-get update\n", result.stdout)
     assert re.search(r"by hand: (sudo )?apt-get install hovercraft\n", result.stdout)
@@ -210,6 +213,11 @@ def test_a_full_set_up_from_nothing(machine: Machine) -> None:
     assert (environment / "rest").exists()
     assert len(machine.run("check").stdout.splitlines()) == 1
 
+    # One that fails leaves no stamp, lest the old list, put back, pass for installed.
+    (machine.project / "requirements.txt").write_text("no-such-package-for-stator==1\n")
+    assert machine.run("check", PIP_NO_INDEX="1").returncode == 1
+    assert not (environment / "stamp").exists()
+
 
 def test_packages_that_cannot_be_had_leave_no_good_environment(machine: Machine) -> None:
     (machine.project / "requirements.txt").write_text("no-such-package-for-stator==1\n")
@@ -226,13 +234,25 @@ def test_packages_that_cannot_be_had_leave_no_good_environment(machine: Machine)
 def test_two_at_once_wait_for_each_other(machine: Machine) -> None:
     machine.add_ready_environment()
     machine.add_program("sudo", SUDO)
-    machine.add_program("apt-get", f"/bin/sleep 0.3\n{APT_THAT_NEEDS_LISTS}")
+    # It fails, so that each of the two calls it; and leaves a mark if one has not ended yet.
+    busy = (
+        '[[ -e $0.busy ]] && >"$0.overlap"; >"$0.busy"; /bin/sleep 0.3; /bin/rm "$0.busy"; exit 1'
+    )
+    machine.add_program("apt-get", busy)
     command = [str(machine.bin / "bash"), str(machine.project / "stator"), "fly"]
     environment = {"PATH": str(machine.bin), "STATOR_PYTHON": REAL_PYTHON}
     with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as first:
         while not machine.calls.exists() and first.poll() is None:
             time.sleep(0.01)
         second = machine.run("fly", STATOR_PYTHON=REAL_PYTHON)
-        assert first.wait() == 0
+        assert first.wait() == 1
     assert "stator: waiting for another ./stator that is setting up\n" in second.stdout
-    assert second.stdout.endswith("ran: -I -X utf8 -m stator fly\n")
+    assert second.returncode == 1
+    assert not (machine.bin / "apt-get.overlap").exists()
+
+
+def test_it_knows_for_each_command_what_that_needs() -> None:
+    body = re.search(r"needed_packages\(\) \{\n(.*?)\n\}", (ROOT / "stator").read_text(), re.DOTALL)
+    assert body is not None
+    patterns = re.findall(r"^ +([a-z |]+)\)", body[1], re.MULTILINE)
+    assert sorted(" | ".join(patterns).split(" | ")) == sorted(COMMANDS)

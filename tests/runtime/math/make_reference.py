@@ -128,8 +128,10 @@ def power(rng: random.Random, form: Format) -> Arguments:
     return (base, rng.uniform(-high, high) / (math.log(base) or 1.0))
 
 
-def wrapped(x: mpf, _: mpf) -> mpf:
-    """Return the angle x in [-pi, pi]."""
+def wrapped(x: mpf, form: Format) -> mpf:
+    """Return the angle x in [-pi, pi], but x itself up to pi as rounded to the format."""
+    if abs(x) <= to_format(math.pi, form):
+        return x
     return x - 2 * mp.pi * mp.nint(x / (2 * mp.pi))
 
 
@@ -195,7 +197,7 @@ def functions(form: Format) -> list[Function]:
         Function("Sin", lambda x, _: mp.sin(x), angle, angles),
         Function("Cos", lambda x, _: mp.cos(x), angle, angles),
         Function("Tan", lambda x, _: mp.tan(x), angle, angles),
-        Function("WrapPi", wrapped, angle, angles),
+        Function("WrapPi", lambda x, _: wrapped(x, form), angle, angles),
         Function(
             "Atan", lambda x, _: mp.atan(x), wide, (0.1, third, 1.0, 1 / third, 10.0, least, big)
         ),

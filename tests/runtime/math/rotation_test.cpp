@@ -36,6 +36,10 @@ class Rotation : public ::testing::Test {
         EXPECT_LE(norm(a - b), tolerance) << a.transpose() << " and " << b.transpose();
     }
 
+    static void expect_close(T a, T b, T tolerance) {
+        EXPECT_LE(abs(a - b), tolerance) << a << " and " << b;
+    }
+
     // q and -q are the same rotation.
     static void expect_same_rotation(const Quaternion<T>& a, const Quaternion<T>& b,
                                      T tolerance = kTolerance) {
@@ -52,7 +56,7 @@ TYPED_TEST(Rotation, NormAndNormalized) {
     using Vector = Vector3<T>;
     EXPECT_EQ(norm(Vector(2, 3, 6)), T{7});
     EXPECT_EQ(norm(Eigen::Matrix<T, 2, 1>(3, 4)), T{5});
-    this->expect_near(normalized(Vector(0, -3, 4)), Vector(0, T{-0.6f}, T{0.8f}), T{1e-6f});
+    this->expect_near(normalized(Vector(0, -3, 4)), Vector(0, T(-0.6), T(0.8)), T(1e-6));
     const Vector fallback = Vector::UnitY();
     EXPECT_EQ(normalized(Vector(0, 0, 0), fallback), fallback);
     EXPECT_EQ(normalized(Vector(1, canonical_nan<T>(), 0), fallback), fallback);
@@ -87,12 +91,11 @@ TYPED_TEST(Rotation, TurnsTheRightWay) {
 
 TYPED_TEST(Rotation, LogInvertsExp) {
     using T = TypeParam;
-    for (const T length :
-         {T{1e-12f}, T{1e-5f}, T{1e-3f}, T{0.03f}, T{0.04f}, T{0.5f}, T{3.0f}, T{3.14f}}) {
+    for (const T length : {T(1e-12), T(1e-5), T(1e-3), T(0.03), T(0.04), T(0.5), T(3.0), T(3.14)}) {
         for (int i = 0; i < 50; ++i) {
             const Vector3<T> vector = normalized(this->any_vector()) * length;
             const Quaternion<T> q = from_rotation_vector(vector);
-            EXPECT_NEAR(norm(q.coeffs()), T{1}, this->kTolerance);
+            this->expect_close(norm(q.coeffs()), T{1}, this->kTolerance);
             this->expect_near(to_rotation_vector(q), vector, this->kTolerance * length);
             this->expect_near(to_rotation_vector(Quaternion<T>(-q.coeffs())), vector,
                               this->kTolerance * length);
@@ -124,40 +127,40 @@ TYPED_TEST(Rotation, EulerAnglesAreYawThenPitchThenRoll) {
         this->expect_same_rotation(q, one_by_one);
         const EulerAngles<T> back = to_euler(q);
         const T tolerance = this->kTolerance * T{16};  // 1 / cos(1.5 rad) is 14
-        EXPECT_NEAR(back.roll, angles.roll, tolerance);
-        EXPECT_NEAR(back.pitch, angles.pitch, tolerance);
-        EXPECT_NEAR(back.yaw, angles.yaw, tolerance);
-        EXPECT_NEAR(heading(q), angles.yaw, tolerance);
+        this->expect_close(back.roll, angles.roll, tolerance);
+        this->expect_close(back.pitch, angles.pitch, tolerance);
+        this->expect_close(back.yaw, angles.yaw, tolerance);
+        this->expect_close(heading(q), angles.yaw, tolerance);
         // Level means that both rotations about horizontal axes are 0: cos tilt = cos roll cos
         // pitch.
-        EXPECT_NEAR(cos(tilt(q)), cos(angles.roll) * cos(angles.pitch), this->kTolerance);
+        this->expect_close(cos(tilt(q)), cos(angles.roll) * cos(angles.pitch), this->kTolerance);
     }
 }
 
 TYPED_TEST(Rotation, EulerAnglesAtTheSingularityStillAreTheSameRotation) {
     using T = TypeParam;
     for (const T pitch : {kHalfPi<T>, -kHalfPi<T>}) {
-        for (const T roll : {T{0}, T{0.7f}, T{-2}}) {
-            const Quaternion<T> q = from_euler(EulerAngles<T>{roll, pitch, T{0.3f}});
+        for (const T roll : {T{0}, T(0.7), T{-2}}) {
+            const Quaternion<T> q = from_euler(EulerAngles<T>{roll, pitch, T(0.3)});
             const EulerAngles<T> angles = to_euler(q);
-            EXPECT_NEAR(angles.pitch, pitch, T{4e-3f});  // sqrt(epsilon) of float is 3e-4
-            this->expect_same_rotation(from_euler(angles), q, T{4e-3f});
+            this->expect_close(angles.pitch, pitch, T(4e-3));  // sqrt(epsilon) of float is 3e-4
+            this->expect_same_rotation(from_euler(angles), q, T(4e-3));
         }
     }
 }
 
 TYPED_TEST(Rotation, TiltIsSharpAtSmallAndLargeAngles) {
     using T = TypeParam;
-    for (const T angle : {T{0}, T{1e-6f}, T{1}, kHalfPi<T>, kPi<T>}) {
+    for (const T angle : {T{0}, T(1e-6), T{1}, kHalfPi<T>, kPi<T>}) {
         const Quaternion<T> q = from_axis_angle<T>(Vector3<T>::UnitY(), angle);
-        EXPECT_NEAR(tilt(q), angle, this->kTolerance * max(angle, T{1e-6f}));
+        this->expect_close(tilt(q), angle, this->kTolerance * max(angle, T(1e-6)));
     }
 }
 
 // Constant rate: many steps are one turn about the rate's axis.
 TYPED_TEST(Rotation, IntegrationOfAConstantRateIsOneTurn) {
     using T = TypeParam;
-    const Vector3<T> rate_B(T{0.3f}, T{-1.1f}, T{0.7f});
+    const Vector3<T> rate_B(T(0.3), T(-1.1), T(0.7));
     const Quaternion<T> start = this->any_rotation();
     Quaternion<T> q_NB = start;
     constexpr int kSteps = 1000;
@@ -165,18 +168,18 @@ TYPED_TEST(Rotation, IntegrationOfAConstantRateIsOneTurn) {
     for (int i = 0; i < kSteps; ++i) q_NB = integrate(q_NB, rate_B, dt);
     const Quaternion<T> once = start * from_rotation_vector(rate_B * (T{kSteps} * dt));
     this->expect_same_rotation(q_NB, once, this->kTolerance * T{30});  // grows like sqrt(steps)
-    EXPECT_NEAR(norm(q_NB.coeffs()), T{1}, this->kTolerance);
+    this->expect_close(norm(q_NB.coeffs()), T{1}, this->kTolerance);
 }
 
 // The rate is that of the body, so it multiplies from the right.
 TYPED_TEST(Rotation, IntegrationIsInBodyAxes) {
     using T = TypeParam;
     const Quaternion<T> east = from_euler(EulerAngles<T>{T{0}, T{0}, kHalfPi<T>});
-    const Vector3<T> pitching_B(T{0}, T{0.5f}, T{0});
-    const EulerAngles<T> after = to_euler(integrate(east, pitching_B, T{0.5f}));
-    EXPECT_NEAR(after.pitch, T{0.25f}, this->kTolerance);
-    EXPECT_NEAR(after.roll, T{0}, this->kTolerance);
-    EXPECT_NEAR(after.yaw, kHalfPi<T>, this->kTolerance);
+    const Vector3<T> pitching_B(T{0}, T(0.5), T{0});
+    const EulerAngles<T> after = to_euler(integrate(east, pitching_B, T(0.5)));
+    this->expect_close(after.pitch, T(0.25), this->kTolerance);
+    this->expect_close(after.roll, T{0}, this->kTolerance);
+    this->expect_close(after.yaw, kHalfPi<T>, this->kTolerance);
 }
 
 TYPED_TEST(Rotation, FromTwoVectorsIsTheShortestTurn) {
@@ -187,8 +190,8 @@ TYPED_TEST(Rotation, FromTwoVectorsIsTheShortestTurn) {
         const Quaternion<T> q = from_two_vectors(a, b);
         this->expect_near(q * normalized(a), normalized(b), this->kTolerance * T{4});
         // No turn about the mean direction: its axis is at right angles to both.
-        EXPECT_NEAR(q.vec().dot(normalized(a)), T{0}, this->kTolerance);
-        EXPECT_NEAR(q.vec().dot(normalized(b)), T{0}, this->kTolerance);
+        this->expect_close(q.vec().dot(normalized(a)), T{0}, this->kTolerance);
+        this->expect_close(q.vec().dot(normalized(b)), T{0}, this->kTolerance);
     }
 }
 
@@ -199,9 +202,8 @@ TYPED_TEST(Rotation, FromTwoVectorsThatAreEqualOrOppositeOrZero) {
         const Vector a = this->any_vector();
         this->expect_near(from_two_vectors(a, a).coeffs(), Quaternion<T>::Identity().coeffs());
         this->expect_near(from_two_vectors(a, -a) * normalized(a), -normalized(a));
-        const Vector almost = -a + this->any_vector() * T{1e-5f};
-        this->expect_near(from_two_vectors(a, almost) * normalized(a), normalized(almost),
-                          T{4e-3f});
+        const Vector almost = -a + this->any_vector() * T(1e-5);
+        this->expect_near(from_two_vectors(a, almost) * normalized(a), normalized(almost), T(4e-3));
     }
     EXPECT_EQ(from_two_vectors(Vector(0, 0, 0), Vector(1, 0, 0)).w(), T{1});
 }
@@ -232,16 +234,16 @@ TYPED_TEST(Rotation, FromBodyZAndYawPointsBoth) {
         const Vector3<T> forward_N(cos(yaw), sin(yaw), T{0});
         const Vector3<T> right_N(-sin(yaw), cos(yaw), T{0});
         EXPECT_GT(nose_N.dot(forward_N), T{0});
-        EXPECT_NEAR(nose_N.dot(right_N), T{0}, this->kTolerance);
+        this->expect_close(nose_N.dot(right_N), T{0}, this->kTolerance);
     }
 }
 
 TYPED_TEST(Rotation, FromBodyZAndYawAtItsCorners) {
     using T = TypeParam;
     using Vector = Vector3<T>;
-    const Quaternion<T> level = from_body_z_and_yaw(Vector(0, 0, 0), T{0.5f});
-    EXPECT_NEAR(heading(level), T{0.5f}, this->kTolerance);
-    EXPECT_NEAR(tilt(level), T{0}, this->kTolerance);
+    const Quaternion<T> level = from_body_z_and_yaw(Vector(0, 0, 0), T(0.5));
+    this->expect_close(heading(level), T(0.5), this->kTolerance);
+    this->expect_close(tilt(level), T{0}, this->kTolerance);
     // Right wing straight down, the nose is free: it stays on its yaw.
     const Quaternion<T> wing = from_body_z_and_yaw(Vector(0, 1, 0), T{0});
     this->expect_near(wing * Vector(0, 0, 1), Vector(0, 1, 0));

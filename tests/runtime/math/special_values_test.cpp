@@ -103,27 +103,27 @@ TYPED_TEST(Special, Rounding) {
 
 TYPED_TEST(Special, Saturate) {
     using T = TypeParam;
-    EXPECT_EQ(saturate<std::int32_t>(T{-2.9}), -2);
-    EXPECT_EQ(saturate<std::int32_t>(T{1e30f}), 2147483647);
-    EXPECT_EQ(saturate<std::int32_t>(T{0x1p31f}), 2147483647);
-    EXPECT_EQ(saturate<std::int32_t>(T{-0x1p31f}), -2147483647 - 1);
+    EXPECT_EQ(saturate<std::int32_t>(T(-2.9)), -2);
+    EXPECT_EQ(saturate<std::int32_t>(T(1e30)), 2147483647);
+    EXPECT_EQ(saturate<std::int32_t>(T(0x1p31)), 2147483647);
+    EXPECT_EQ(saturate<std::int32_t>(T(-0x1p31)), -2147483647 - 1);
     EXPECT_EQ(saturate<std::int32_t>(-this->kInfinity), -2147483647 - 1);
     EXPECT_EQ(saturate<std::int32_t>(canonical_nan<T>()), 0);
     EXPECT_EQ(saturate<std::int32_t>(-canonical_nan<T>()), 0);
     EXPECT_EQ(saturate<std::uint32_t>(T{-0.5}), 0u);
     EXPECT_EQ(saturate<std::uint32_t>(T{-7}), 0u);
-    EXPECT_EQ(saturate<std::uint32_t>(T{0x1p32f}), 0xffffffffu);
-    EXPECT_EQ(saturate<std::uint32_t>(T{0x1.fffffep31f}), 0xffffff00u);
-    EXPECT_EQ(saturate<std::int8_t>(T{127.9f}), 127);
+    EXPECT_EQ(saturate<std::uint32_t>(T(0x1p32)), 0xffffffffu);
+    EXPECT_EQ(saturate<std::uint32_t>(T(0x1.fffffep31)), 0xffffff00u);
+    EXPECT_EQ(saturate<std::int8_t>(T(127.9)), 127);
     EXPECT_EQ(saturate<std::int8_t>(T{128}), 127);
-    EXPECT_EQ(saturate<std::int8_t>(T{-128.9f}), -128);
-    EXPECT_EQ(saturate<std::uint8_t>(T{255.9f}), 255);
+    EXPECT_EQ(saturate<std::int8_t>(T(-128.9)), -128);
+    EXPECT_EQ(saturate<std::uint8_t>(T(255.9)), 255);
     EXPECT_EQ(saturate<std::uint16_t>(T{70000}), 65535);
-    EXPECT_EQ(saturate<std::int64_t>(T{0x1p63f}), std::numeric_limits<std::int64_t>::max());
-    EXPECT_EQ(saturate<std::int64_t>(T{0x1p62f}), std::int64_t{1} << 62);
-    EXPECT_EQ(saturate<std::int64_t>(T{-0x1p63f}), std::numeric_limits<std::int64_t>::min());
-    EXPECT_EQ(saturate<std::uint64_t>(T{0x1p63f}), std::uint64_t{1} << 63);
-    EXPECT_EQ(saturate<std::uint64_t>(T{0x1p64f}), std::numeric_limits<std::uint64_t>::max());
+    EXPECT_EQ(saturate<std::int64_t>(T(0x1p63)), std::numeric_limits<std::int64_t>::max());
+    EXPECT_EQ(saturate<std::int64_t>(T(0x1p62)), std::int64_t{1} << 62);
+    EXPECT_EQ(saturate<std::int64_t>(T(-0x1p63)), std::numeric_limits<std::int64_t>::min());
+    EXPECT_EQ(saturate<std::uint64_t>(T(0x1p63)), std::uint64_t{1} << 63);
+    EXPECT_EQ(saturate<std::uint64_t>(T(0x1p64)), std::numeric_limits<std::uint64_t>::max());
 }
 
 TYPED_TEST(Special, SquareRoot) {

@@ -1,0 +1,21 @@
+// What the generated graph connects to: the devices of this board and their lines.
+#pragma once
+
+#include "imu_recording.hpp"
+#include "mag_recording.hpp"
+#include "recording.hpp"
+#include "stator/virtual.hpp"
+#include "storage_file.hpp"
+
+namespace stator::board {
+
+extern ImuRecording::Device imu0;
+extern Line imu0_data_ready;
+extern MagRecording::Device mag0;
+extern Line mag0_data_ready;
+extern StorageFile::Device log_storage;
+
+// Before the graph starts: what to replay. It must outlive the run.
+void replay(const Recording& recording);
+
+}  // namespace stator::board

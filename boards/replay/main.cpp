@@ -1,0 +1,64 @@
+// Runs the graph that was built for this board once over a recording, and writes its log.
+//
+// Exit status: 0 the whole recording was replayed; 1 the log could not be written whole; 2 a wrong
+// argument, or a file that cannot be opened.
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <string_view>
+
+#include "board.hpp"
+
+namespace {
+
+using namespace stator;
+
+// After the last sample, so that slow nodes and the logger see it.
+constexpr std::uint64_t kAfterrun_us = 2'000'000;
+
+struct Options {
+    const char* recording = nullptr;
+    const char* log = nullptr;  // none: no log
+};
+
+[[nodiscard]] bool parse(int count, const char* const* arguments, Options& options) {
+    for (int i = 1; i + 1 < count; i += 2) {
+        const std::string_view option = arguments[i];
+        if (option == "--recording") options.recording = arguments[i + 1];
+        if (option == "--log") options.log = arguments[i + 1];
+        if (option != "--recording" && option != "--log") return false;
+    }
+    return count % 2 == 1 && options.recording != nullptr;
+}
+
+[[nodiscard]] bool open_log(const char* path) {
+    if (path == nullptr) return true;
+    board::log_storage.file = std::fopen(path, "wb");
+    if (board::log_storage.file != nullptr) return true;
+    std::fprintf(stderr, "error: cannot open '%s': %s\n", path, std::strerror(errno));
+    return false;
+}
+
+[[nodiscard]] bool close_log(const char* path) {
+    if (board::log_storage.file == nullptr) return true;
+    const bool closed = std::fclose(board::log_storage.file) == 0;
+    if (closed && board::log_storage.errors == 0) return true;
+    std::fprintf(stderr, "error: could not write all of '%s'\n", path);
+    return false;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    Options options;
+    if (!parse(count, arguments, options)) {
+        std::fputs("error: wrong arguments: known are --recording FILE, and --log FILE\n", stderr);
+        return 2;
+    }
+    board::Recording recording;
+    if (!recording.load(options.recording) || !open_log(options.log)) return 2;
+    board::replay(recording);
+    start();
+    run_until(board::Recording::time_us(recording.samples()) + kAfterrun_us);
+    return close_log(options.log) ? 0 : 1;
+}

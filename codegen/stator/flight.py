@@ -1,0 +1,291 @@
+"""Judges a simulated flight: what its log says against what truly happened."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from pyulog import ULog
+
+Floats: TypeAlias = NDArray[np.float64]
+
+# A flight outside these limits has failed.
+MOST_ERROR_M = 0.15
+MOST_TILT_ERROR_DEG = 0.5
+MOST_TOUCHDOWN_M_S = 0.7
+MOST_LANDED_TILT_DEG = 20.0
+
+# graph/messages/VehicleStatus.yaml
+DISARMED = 1
+HOLD = 4
+NAV_STATES = {0: "manual", HOLD: "hold", 17: "take-off", 18: "landing"}
+
+# Columns of a row of truth: boards/sitl/truth.hpp
+TRUTH_COLUMNS = 15
+
+
+class UnreadableFlight(Exception):  # noqa: N818 (a flight is no error)
+    """The log or the truth lacks what a judgement needs."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    time_s: Floats
+    position: Floats  # N, m; one row each
+    q: Floats  # q_NB, w x y z
+    on_ground: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Flight:
+    """What a judgement reads. Times in seconds; positions and setpoints in N."""
+
+    truth: Truth
+    attitude_time_s: Floats
+    attitude_q: Floats
+    setpoint_time_s: Floats
+    setpoint: Floats  # not a number: free
+    status_time_s: Floats
+    nav_state: NDArray[np.int64]
+    arming_state: NDArray[np.int64]
+    # From the program that flew, which sees the truth each millisecond.
+    landed: bool
+    take_off_s: float | None
+    touchdown_s: float | None
+    touchdown_m_s: float | None
+
+
+@dataclass(frozen=True)
+class Hover:
+    seconds: float
+    height_m: float
+    max_error_m: float
+    rms_error_m: float
+    worst_s: float
+    worst_position: Floats
+
+
+@dataclass(frozen=True)
+class Tilt:
+    rms_deg: float
+    max_deg: float
+    worst_s: float
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """`problems` is empty for a successful flight."""
+
+    hover: Hover | None
+    tilt: Tilt | None
+    problems: list[str]
+
+
+def read_truth(path: Path) -> Truth:
+    rows = np.fromfile(path, dtype="<f8")
+    if rows.size == 0 or rows.size % TRUTH_COLUMNS != 0:
+        raise UnreadableFlight(f"'{path}' is no record of a true flight")
+    rows = rows.reshape(-1, TRUTH_COLUMNS)
+    return Truth(rows[:, 0] * 1e-6, rows[:, 1:4], rows[:, 7:11], rows[:, 14] != 0.0)
+
+
+def read_flight(log: ULog, truth: Truth, run: dict[str, object]) -> Flight:
+    """`run` is what the program that flew has printed."""
+    attitude = _topic(log, "vehicle_attitude")
+    setpoint = _topic(log, "trajectory_setpoint")
+    status = _topic(log, "vehicle_status")
+    return Flight(
+        truth=truth,
+        attitude_time_s=_seconds(attitude["timestamp_sample"]),
+        attitude_q=_columns(attitude, "q", 4),
+        setpoint_time_s=_seconds(setpoint["timestamp"]),
+        setpoint=_columns(setpoint, "position", 3),
+        status_time_s=_seconds(status["timestamp"]),
+        nav_state=status["nav_state"].astype(np.int64),
+        arming_state=status["arming_state"].astype(np.int64),
+        landed=run.get("ended") == "motors_stopped",
+        take_off_s=_number(run, "take_off_s"),
+        touchdown_s=_number(run, "touchdown_s"),
+        touchdown_m_s=_number(run, "touchdown_m_s"),
+    )
+
+
+def judge(flight: Flight) -> Judgement:
+    if not np.isfinite(flight.truth.position).all():
+        return Judgement(None, None, ["the simulated vehicle left the range of numbers"])
+    if flight.take_off_s is None:
+        return Judgement(None, None, [f"never took off: {_ending(flight)}"])
+    hover = _hover(flight)
+    tilt = _tilt(flight)
+    problems = [
+        *_hover_problems(hover),
+        *_tilt_problems(tilt),
+        *_landing_problems(flight),
+    ]
+    return Judgement(hover, tilt, problems)
+
+
+# --- hover ---
+
+
+def _hover(flight: Flight) -> Hover | None:
+    """How far the true position was from the setpoint while the vehicle flew in hold."""
+    time = flight.truth.time_s
+    nav_state = _newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
+    setpoint = _newest(flight.setpoint_time_s, flight.setpoint, time)
+    error = np.linalg.norm(np.nan_to_num(flight.truth.position - setpoint), axis=1)
+    rows = np.flatnonzero((nav_state == HOLD) & _in_flight(flight, time))
+    if rows.size < 2:
+        return None
+    worst = rows[np.argmax(error[rows])]
+    return Hover(
+        seconds=float(time[rows[-1]] - time[rows[0]]),
+        height_m=-float(np.mean(flight.truth.position[rows, 2])),
+        max_error_m=float(error[worst]),
+        rms_error_m=_rms(error[rows]),
+        worst_s=float(time[worst]),
+        worst_position=flight.truth.position[worst],
+    )
+
+
+def _hover_problems(hover: Hover | None) -> list[str]:
+    if hover is None:
+        return ["never hovered: in flight, vehicle_status never said hold"]
+    if hover.max_error_m <= MOST_ERROR_M:
+        return []
+    return [
+        f"hover: {hover.max_error_m:.3f} m from the setpoint at {hover.worst_s:.2f} s, "
+        f"{_place(hover.worst_position)} (limit {MOST_ERROR_M:g} m)"
+    ]
+
+
+# --- tilt ---
+
+
+def _tilt(flight: Flight) -> Tilt | None:
+    """Angle between the true and the estimated vertical in B; heading does not count."""
+    rows = _in_flight(flight, flight.attitude_time_s)
+    time = flight.attitude_time_s[rows]
+    if time.size == 0:
+        return None
+    true_down = _down_in_body(_q_at(flight.truth, time))
+    down = _down_in_body(flight.attitude_q[rows])
+    sine = np.linalg.norm(np.cross(true_down, down), axis=1)
+    error_deg = np.degrees(np.arctan2(sine, np.sum(true_down * down, axis=1)))
+    worst = int(np.argmax(error_deg))
+    return Tilt(_rms(error_deg), float(error_deg[worst]), float(time[worst]))
+
+
+def _tilt_problems(tilt: Tilt | None) -> list[str]:
+    if tilt is None:
+        return ["no estimate of attitude was logged in flight"]
+    if tilt.rms_deg <= MOST_TILT_ERROR_DEG:
+        return []
+    return [
+        f"estimated tilt: {tilt.rms_deg:.2f} deg RMS from the truth, most at {tilt.worst_s:.2f} s "
+        f"with {tilt.max_deg:.2f} deg (limit {MOST_TILT_ERROR_DEG:g} deg RMS)"
+    ]
+
+
+def _q_at(truth: Truth, time_s: Floats) -> Floats:
+    """True attitude between rows of 10 ms: the chord, brought back to unit length."""
+    q = truth.q.copy()
+    turned = np.sum(q[1:] * q[:-1], axis=1) < 0.0
+    q[1:][np.cumsum(turned) % 2 == 1] *= -1.0
+    chord = np.column_stack([np.interp(time_s, truth.time_s, q[:, i]) for i in range(4)])
+    unit: Floats = chord / np.linalg.norm(chord, axis=1, keepdims=True)
+    return unit
+
+
+def _down_in_body(q: Floats) -> Floats:
+    """Third row of R_NB."""
+    w, x, y, z = q.T
+    return np.column_stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)])
+
+
+# --- landing ---
+
+
+def _landing_problems(flight: Flight) -> list[str]:
+    if not flight.landed or flight.touchdown_m_s is None:
+        return [f"not landed and disarmed: {_ending(flight)}"]
+    problems = []
+    if flight.touchdown_m_s >= MOST_TOUCHDOWN_M_S:
+        problems.append(
+            f"touchdown: {flight.touchdown_m_s:.2f} m/s down at {flight.touchdown_s:.2f} s "
+            f"(limit {MOST_TOUCHDOWN_M_S:g} m/s)"
+        )
+    if not flight.truth.on_ground[-1]:
+        problems.append(f"the motors stopped in the air: {_ending(flight)}")
+    tilt_deg = math.degrees(math.acos(np.clip(_down_in_body(flight.truth.q[-1:])[0, 2], -1, 1)))
+    if tilt_deg > MOST_LANDED_TILT_DEG:
+        problems.append(
+            f"landed on its side: tilted {tilt_deg:.0f} deg (limit {MOST_LANDED_TILT_DEG:g} deg)"
+        )
+    if flight.arming_state.size == 0 or flight.arming_state[-1] != DISARMED:
+        problems.append("vehicle_status did not say disarmed at the end")
+    return problems
+
+
+def _ending(flight: Flight) -> str:
+    """Where the flight was when it ended."""
+    state = int(flight.nav_state[-1]) if flight.nav_state.size else -1
+    return (
+        f"at {flight.truth.time_s[-1]:.2f} s it was in {NAV_STATES.get(state, 'no known mode')}, "
+        f"{_place(flight.truth.position[-1])}"
+    )
+
+
+# --- parts ---
+
+
+def _topic(log: ULog, name: str) -> dict[str, NDArray[np.generic]]:
+    for dataset in log.data_list:
+        if dataset.name == name and dataset.multi_id == 0:
+            columns: dict[str, NDArray[np.generic]] = dataset.data
+            return columns
+    raise UnreadableFlight(f"the log has no topic {name}, so the flight cannot be judged")
+
+
+def _seconds(time_us: NDArray[np.generic]) -> Floats:
+    return time_us.astype(np.float64) * 1e-6
+
+
+def _columns(topic: dict[str, NDArray[np.generic]], name: str, count: int) -> Floats:
+    return np.column_stack([topic[f"{name}[{i}]"] for i in range(count)]).astype(np.float64)
+
+
+def _number(run: dict[str, object], key: str) -> float | None:
+    value = run.get(key)
+    return float(value) if isinstance(value, int | float) else None
+
+
+def _newest(times: Floats, values: Floats, at: Floats) -> Floats:
+    """The newest of `values` at each time `at`; not a number before the first."""
+    index = np.searchsorted(times, at, side="right") - 1
+    found = np.full((at.size, *values.shape[1:]), np.nan)
+    found[index >= 0] = values[index[index >= 0]]
+    return found
+
+
+def _in_flight(flight: Flight, time_s: Floats) -> NDArray[np.bool_]:
+    begin = math.inf if flight.take_off_s is None else flight.take_off_s
+    end = math.inf if flight.touchdown_s is None else flight.touchdown_s
+    rows: NDArray[np.bool_] = (time_s >= begin) & (time_s < end)
+    return rows
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _place(position: Floats) -> str:
+    north, east, down = position
+    return f"{north:.2f} m north, {east:.2f} m east, {-down:.2f} m up"

@@ -1,0 +1,237 @@
+"""What `./stator fly` does: builds a graph for simulation, flies it once, and reports."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stator.build import BuildFailed, build
+from stator.diagnostics import shown_path
+from stator.library import HOME
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Iterator
+
+    from stator.flight import Judgement
+
+MOST_SEED = 2**64 - 1
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    graph = HOME / "graph" / "quad.yaml"
+    parser.add_argument(
+        "graph", nargs="?", type=Path, default=graph, help="a graph file (default: graph/quad.yaml)"
+    )
+    parser.add_argument("--board", default="sitl", help="a board that simulates (default: sitl)")
+    parser.add_argument(
+        "--seed",
+        type=_seed,
+        default=1,
+        help="of the start, the sensors and their noise (default: 1)",
+    )
+    parser.add_argument(
+        "--duration", type=_duration, default=120.0, help="most seconds of flight (default: 120)"
+    )
+    parser.add_argument(
+        "--times",
+        choices=["zero", "random"],
+        default="zero",
+        help="let activations take time, so that others preempt them (default: zero)",
+    )
+    parser.add_argument("-o", "--output", type=Path, metavar="LOG", help="where to keep the log")
+    parser.add_argument("--json", action="store_true", help="print what programs read")
+
+
+def _seed(text: str) -> int:
+    value = int(text)
+    if not 0 <= value <= MOST_SEED:
+        raise ValueError
+    return value
+
+
+def _duration(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value <= 1e6:
+        raise ValueError
+    return value
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """0: a successful flight. 1: a failed one, or one that could not be judged. 2: no flight."""
+    log = arguments.output or _default_log(arguments.graph, arguments.seed)
+    truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
+    try:
+        program = build(arguments.graph, arguments.board)
+    except BuildFailed as failed:
+        print(failed, file=sys.stderr)
+        return 2
+    with _progress(f"flying {arguments.graph.stem}, seed {arguments.seed} ..."):
+        finished = _run(program, log, truth, arguments)
+        if finished.returncode > 0:
+            print(finished.stderr.rstrip(), file=sys.stderr)
+            return 2
+        facts = _facts(finished, log, truth)
+    facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
+    if arguments.json:
+        print(json.dumps(facts, indent=2))
+    else:
+        _report(facts)
+    return 0 if facts["success"] else 1
+
+
+def _default_log(graph: Path, seed: int) -> Path:
+    folder = HOME / "build" / "flights"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder / f"{graph.stem}-seed{seed}.ulg"
+
+
+@contextlib.contextmanager
+def _progress(text: str) -> Iterator[None]:
+    """Shows that something goes on, where somebody watches."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(text):
+        yield
+
+
+def _run(
+    program: Path, log: Path, truth: Path, arguments: argparse.Namespace
+) -> subprocess.CompletedProcess[str]:
+    command = [str(program), "--log", str(log), "--truth", str(truth)]
+    command += ["--seed", str(arguments.seed), "--duration", f"{arguments.duration:.6f}"]
+    command += ["--times", arguments.times]
+    return subprocess.run(command, check=False, capture_output=True, text=True)
+
+
+def _facts(finished: subprocess.CompletedProcess[str], log: Path, truth: Path) -> dict[str, object]:
+    """What `--json` prints. A fact that there is none of is None."""
+    facts: dict[str, object] = {
+        "success": False,
+        "reason": "",
+        "log": str(log.resolve()),
+        "log_sha256": _sha256(log),
+        "truth": str(truth.resolve()),
+        "speed_vs_real_time": None,
+        "lost_samples": None,
+        "activations": None,
+        "duration_s": None,
+        "max_error_m": None,
+        "rms_error_m": None,
+        "hover_s": None,
+        "hover_height_m": None,
+        "attitude_error_deg": None,
+        "take_off_s": None,
+        "touchdown_s": None,
+        "touchdown_m_s": None,
+    }
+    if finished.returncode < 0:
+        name = signal.Signals(-finished.returncode).name
+        facts["reason"] = f"the flight program died of {name}: {finished.stderr.strip()}"
+        return facts
+    run = json.loads(finished.stdout)
+    facts["speed_vs_real_time"] = run["simulated_s"] / run["wall_s"]
+    facts["duration_s"] = run["simulated_s"]
+    facts |= {key: value for key, value in run.items() if key in facts}
+    return facts | _judged(log, truth, run)
+
+
+def _judged(log: Path, truth: Path, run: dict[str, object]) -> dict[str, object]:
+    from pyulog import ULog
+
+    from stator.flight import UnreadableFlight, judge, read_flight, read_truth
+
+    try:
+        judgement = judge(read_flight(ULog(str(log)), read_truth(truth), run))
+    except UnreadableFlight as unreadable:
+        return {"reason": str(unreadable)}
+    return _judgement_facts(judgement)
+
+
+def _judgement_facts(judgement: Judgement) -> dict[str, object]:
+    problems = judgement.problems
+    facts: dict[str, object] = {
+        "success": not problems,
+        "reason": "; ".join(problems) or "landed and disarmed, within all limits",
+    }
+    if judgement.hover is not None:
+        facts |= {
+            "max_error_m": judgement.hover.max_error_m,
+            "rms_error_m": judgement.hover.rms_error_m,
+            "hover_s": judgement.hover.seconds,
+            "hover_height_m": judgement.hover.height_m,
+        }
+    if judgement.tilt is not None:
+        facts["attitude_error_deg"] = judgement.tilt.rms_deg
+    return facts
+
+
+def _sha256(log: Path) -> str:
+    with log.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+# --- for people ---
+
+
+def _report(facts: dict[str, object]) -> None:
+    from rich.console import Console
+
+    console = Console(highlight=False, soft_wrap=True, markup=False)
+    good = bool(facts["success"])
+    title = f"{facts['graph']} on {facts['board']}, seed {facts['seed']}: "
+    console.print(title, end="")
+    console.print("success" if good else "FAILED", style="bold green" if good else "bold red")
+    reasons = str(facts["reason"]).split("; ")
+    rows = [("result" if good else "why", reason) for reason in reasons]
+    rows += [*_flight_rows(facts), *_run_rows(facts)]
+    previous = ""
+    for label, text in rows:
+        console.print(f"  {'' if label == previous else label:<10}{text}")
+        previous = label
+
+
+def _flight_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
+    from stator.flight import MOST_ERROR_M, MOST_TILT_ERROR_DEG, MOST_TOUCHDOWN_M_S
+
+    rows = []
+    if facts["take_off_s"] is not None:
+        rows.append(("take-off", f"at {facts['take_off_s']:.2f} s"))
+    if facts["max_error_m"] is not None:
+        where = f"{facts['hover_s']:.1f} s at {facts['hover_height_m']:.2f} m"
+        error = f"{facts['max_error_m']:.3f} m off at most, {facts['rms_error_m']:.3f} m RMS"
+        rows.append(("hover", f"{where}: {error} (limit {MOST_ERROR_M:g} m)"))
+    if facts["attitude_error_deg"] is not None:
+        error = f"{facts['attitude_error_deg']:.2f} deg RMS error of the estimate in flight"
+        rows.append(("tilt", f"{error} (limit {MOST_TILT_ERROR_DEG:g} deg)"))
+    if facts["touchdown_m_s"] is not None:
+        when = f"at {facts['touchdown_s']:.2f} s with {facts['touchdown_m_s']:.2f} m/s"
+        rows.append(("touchdown", f"{when} (limit {MOST_TOUCHDOWN_M_S:g} m/s)"))
+    return rows
+
+
+def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
+    rows = []
+    if facts["duration_s"] is not None:
+        speed = f"{facts['duration_s']:.1f} s at {facts['speed_vs_real_time']:.0f} times real time"
+        counts = f"{facts['activations']:,} activations, {facts['lost_samples']} samples lost"
+        rows.append(("run", f"{speed}; {counts}"))
+    log = Path(str(facts["log"]))
+    shown = shown_path(log)
+    rows.append(("log", f"{shown} ({log.stat().st_size / 1e6:.1f} MB)"))
+    if facts["success"]:
+        rows.append(
+            ("next", "PlotJuggler opens the log; ./stator fly --seed 2 flies in other noise")
+        )
+    else:
+        rows.append(("next", "PlotJuggler opens the log; the same command flies the same flight"))
+    return rows

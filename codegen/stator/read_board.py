@@ -1,0 +1,97 @@
+"""Reads a board: its executor, chip and devices, and the driver that each device is bound to."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from stator import language
+from stator.model import Board, Chip, Device, Interface
+from stator.shapes import Leaf, Record, items, quoted
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from stator.diagnostics import Mark, Report
+    from stator.library import Library
+
+_PIN = re.compile(language.PIN)
+
+
+def read_board(library: Library, name: str, path: Path) -> Board | None:
+    record = library.read(path, language.BOARD)
+    if record is None or record.value("executor") is None:
+        return None
+    chip = record.get("chip")
+    if record.value("executor") == "cortex_m" and "chip" not in record.keys:
+        library.report.error(record.get("executor").mark, "chip-missing",
+                             "a board with the executor cortex_m has a chip",
+                             "add `chip:`, for example stm32f4/stm32f427")
+    found = None if chip is None else _chip(library, chip.value, chip.mark, path)
+    reserved: list[Leaf] = record.value("reserved_vectors", [])
+    if found is not None:
+        for leaf in reserved:
+            _check_vector(found, leaf, library.report)
+    return Board(
+        name=name,
+        file=path,
+        executor=record.value("executor"),
+        chip=found,
+        reserved_vectors=tuple(leaf.value for leaf in reserved),
+        devices={key: device for key, value in items(record, "devices")
+                 if (device := _device(library, key, value, found)) is not None},
+    )
+
+
+def _device(library: Library, name: str, record: Record, chip: Chip | None) -> Device | None:
+    driver, stated = record.get("driver"), record.get("class")
+    if driver is None:
+        return None
+    if driver.value == "none" and stated is None:
+        library.report.error(record.owner, "missing-key", f"device '{name}' has no driver, so it needs "
+                             "the key 'class'", "for example `class: imu`")
+        return None
+    of_driver = driver.value.split("/")[0]
+    if driver.value != "none" and driver.value not in library.drivers():
+        library.report.error(driver.mark, "driver-unknown", f"there is no driver '{driver.value}'",
+                             library.report.nearest(driver.value, library.drivers()))
+        return None
+    if driver.value != "none" and stated is not None and stated.value != of_driver:
+        library.report.error(stated.mark, "class-mismatch", f"driver '{driver.value}' is of the class "
+                             f"'{of_driver}', not '{stated.value}'", "remove the key `class`")
+        return None
+    chosen: Leaf = driver if stated is None else stated
+    device_class = of_driver if stated is None else stated.value
+    interface = library.device_class(device_class, chosen.mark)
+    if interface is not None:
+        _check_lines(record, interface, chip, library.report)
+    lines = {key: leaf.value for key, leaf in items(record, "lines")}
+    return Device(name, driver.value, device_class, lines, interface)
+
+
+def _check_lines(record: Record, interface: Interface, chip: Chip | None, report: Report) -> None:
+    for line, leaf in items(record, "lines"):
+        if line not in interface.lines:
+            report.error(record.get("lines").keys[line], "line-unknown",
+                         f"device class '{interface.name}' has no line '{line}'",
+                         report.nearest(line, interface.lines) or "it has no lines")
+        elif chip is not None and not _PIN.fullmatch(leaf.value):
+            _check_vector(chip, leaf, report)
+
+
+def _check_vector(chip: Chip, leaf: Leaf, report: Report) -> None:
+    if leaf.value not in chip.vectors:
+        report.error(leaf.mark, "vector-unknown", f"{quoted(leaf.value)} is neither a pin nor a vector "
+                     f"of {chip.name}", report.nearest(leaf.value.lower(), chip.vectors))
+
+
+def _chip(library: Library, name: str, mark: Mark, board: Path) -> Chip | None:
+    path = board.parents[1] / f"{name}.yaml"
+    if not path.is_file():
+        library.report.error(mark, "file-missing", f"there is no chip file 'boards/{name}.yaml'",
+                             "for example stm32f4/stm32f427")
+        return None
+    record = library.read(path, language.CHIP)
+    if record is None:
+        return None
+    return Chip(name, {key: leaf.value for key, leaf in items(record, "vectors")})

@@ -1,0 +1,97 @@
+"""Reads the interface of an app or of a device class: its ports, lines and parameters."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from stator import language
+from stator.diagnostics import Mark
+from stator.model import Field, Interface, Message, Param, Port
+from stator.names import upper_camel
+from stator.read_message import pad
+from stator.read_value import read_value
+from stator.shapes import Record, items
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from stator.diagnostics import Report
+    from stator.library import Library
+
+
+def read_interface(library: Library, name: str, path: Path, *, is_app: bool) -> Interface | None:
+    report = library.report
+    record = library.read(path, language.INTERFACE)
+    if record is None:
+        return None
+    if is_app and "lines" in record.keys:
+        report.error(record.keys["lines"], "irq-needs-device", "only a device class has lines",
+                     "remove the key; a driver in drivers/ does input and output")
+    inputs, outputs = _ports(library, record, "inputs"), _ports(library, record, "outputs")
+    _check_names(record, outputs, report)
+    params = {key: param for key, value in items(record, "params")
+              if (param := _param(key, value, report)) is not None}
+    return Interface(
+        name=name,
+        file=path,
+        doc=record.value("doc", ""),
+        lines={key: value.value("doc", "") for key, value in items(record, "lines")},
+        inputs=inputs,
+        outputs=outputs,
+        params=params,
+        reads_log=record.value("reads_log", False),
+        params_message=params_message(name, params, Mark(path, 1, 1)),
+    )
+
+
+def _ports(library: Library, record: Record, key: str) -> dict[str, Port]:
+    ports = {}
+    for name, value in items(record, key):
+        leaf = value.get("message")
+        message = None if leaf is None else library.message(leaf.value, leaf.mark)
+        if message is not None:
+            ports[name] = Port(name, message, value.value("optional", False), value.value("doc", ""))
+    return ports
+
+
+def _check_names(record: Record, outputs: dict[str, Port], report: Report) -> None:
+    """Inputs and outputs become members of one struct."""
+    inputs = record.get("inputs")
+    for name in outputs:
+        if inputs is not None and name in inputs.keys:
+            report.error(record.get("outputs").keys[name], "name-clash",
+                         f"'{name}' is an input, too", "give input and output different names")
+    for table in (inputs, record.get("outputs")):
+        if table is not None and record.value("reads_log", False) and "log" in table.keys:
+            report.error(table.keys["log"], "name-clash", "`reads_log` gives the node a port 'log'",
+                         "give this one another name")
+
+
+def _param(name: str, record: Record, report: Report) -> Param | None:
+    type_name, default = record.value("type"), record.get("default")
+    if type_name is None or default is None:
+        return None
+    unit, doc = record.value("unit", "1"), record.value("doc", "")
+    bounds: list[Fraction | None] = [None, None]
+    written = record.get("range")
+    if written is not None:
+        unbounded = Param(name, type_name, unit, None, None, 0, doc)
+        values = [read_value(unbounded, item, report, in_file=True) for item in written.value]
+        bounds = [None if value is None else Fraction(value) for value in values]
+    least, most = bounds if len(bounds) == 2 else (None, None)
+    if least is not None and most is not None and least > most:
+        report.error(written.mark, "out-of-range", "the range ends before it begins",
+                     "write the least first")
+        return None
+    value = read_value(Param(name, type_name, unit, least, most, 0, doc), default, report,
+                       in_file=True)
+    return None if value is None else Param(name, type_name, unit, least, most, value, doc)
+
+
+def params_message(app: str, params: dict[str, Param], mark: Mark) -> Message | None:
+    """Parameters travel as a message of their own."""
+    if not params:
+        return None
+    fields = [Field(p.name, p.type, None, p.unit, "", (), p.doc) for p in params.values()]
+    return Message(upper_camel(app) + "Params", f"Parameters of {app}.", pad(fields), mark)

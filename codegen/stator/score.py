@@ -1,0 +1,251 @@
+"""`stator score attitude DIR`: the quad's attitude node over recordings, against what was true."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import gzip
+import json
+import subprocess
+import sys
+import tempfile
+import zlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from stator.library import HOME
+
+GRAPH = HOME / "graph" / "attitude_recording.yaml"
+BOARD = "replay"
+SUFFIX = ".f32.gz"
+PLANES = 14  # gyro, accelerometer, magnetometer (xyz each), true attitude (wxyz), moving
+PERIOD_US = 3500
+TRUTH = slice(9, 13)
+MOVING = 13
+
+Array = npt.NDArray[np.float64]
+# From north-east-down, where the node says its attitude, to east-north-up, where the truth is:
+# half a turn about the line between north and east.
+ENU_FROM_NED = np.array([0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0])
+
+
+class CannotScore(Exception):
+    """What is wrong with the recordings, and what to do about it."""
+
+    def __init__(self, problem: str, hint: str) -> None:
+        super().__init__(f"error: {problem}; {hint}")
+
+
+@dataclass(frozen=True)
+class Score:
+    """Root mean square errors in degrees."""
+
+    name: str
+    total_deg: float
+    heading_deg: float
+    inclination_deg: float
+
+    def figures(self) -> dict[str, float]:
+        return {"total_deg": self.total_deg, "heading_deg": self.heading_deg,
+                "inclination_deg": self.inclination_deg}
+
+
+def mean_of(name: str, scores: Iterable[Score]) -> Score:
+    rows = [(s.total_deg, s.heading_deg, s.inclination_deg) for s in scores]
+    return Score(name, *(float(value) for value in np.mean(rows, axis=0)))
+
+
+# --- quaternions: rows of w x y z ---
+
+
+def product(a: Array, b: Array) -> Array:
+    w, x, y, z = np.moveaxis(a, -1, 0)
+    s, i, j, k = np.moveaxis(b, -1, 0)
+    return np.stack([w * s - x * i - y * j - z * k, w * i + x * s + y * k - z * j,
+                     w * j - x * k + y * s + z * i, w * k + x * j - y * i + z * s], axis=-1)
+
+
+def conjugate(q: Array) -> Array:
+    return q * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def rmse(name: str, truth: Array, estimate: Array, moving: npt.NDArray[np.bool_]) -> Score:
+    """Scores attitudes against the truth, both sensor to the same earth frame with z vertical, where
+    the sensor moves and there is truth. The error's heading is its turn about the vertical, its
+    inclination the smallest turn that is left (Laidig, Caruso, Cereatti, Seel, Data 6(7), 2021)."""
+    counted = moving & np.isfinite(truth).all(axis=1)
+    error = product(truth[counted], conjugate(estimate[counted]))
+    error /= np.linalg.norm(error, axis=1, keepdims=True)
+    w, z = np.abs(error[:, 0]), np.abs(error[:, 3])
+    total = 2 * np.arccos(np.minimum(w, 1.0))
+    heading = 2 * np.arctan2(z, w)
+    inclination = 2 * np.arccos(np.minimum(np.hypot(w, z), 1.0))
+    return Score(name, *(float(np.degrees(np.sqrt(np.mean(angle**2))))
+                         for angle in (total, heading, inclination)))
+
+
+# --- recordings ---
+
+
+def recordings_in(folder: Path) -> list[Path]:
+    if not folder.is_dir():
+        raise CannotScore(f"there is no folder '{folder}'", f"name one with *{SUFFIX} recordings")
+    found = sorted(folder.glob(f"*{SUFFIX}"))
+    if not found:
+        raise CannotScore(f"no recordings in '{folder}'", f"their names end in {SUFFIX}")
+    return found
+
+
+def unpack(path: Path) -> bytes:
+    try:
+        data = gzip.decompress(path.read_bytes())
+    except EOFError:
+        raise CannotScore(f"'{path}' ends too early", "fetch the file again") from None
+    except (gzip.BadGzipFile, zlib.error) as error:
+        raise CannotScore(f"'{path}' is no sound gzip file ({error})",
+                          "fetch the file again") from None
+    except OSError as error:
+        raise CannotScore(f"cannot read '{path}' ({error.strerror})",
+                          "make it a readable file") from None
+    if not data or len(data) % (4 * PLANES):
+        raise CannotScore(f"'{path}' holds {len(data)} bytes, not {PLANES} planes of float32",
+                          "see `./stator score --help` for the format")
+    return data
+
+
+def planes_of(path: Path, data: bytes) -> Array:
+    planes = np.frombuffer(data, "<f4").reshape(PLANES, -1).astype(np.float64)
+    if not np.isfinite(planes[TRUTH, planes[MOVING] > 0.5]).all(axis=0).any():
+        raise CannotScore(f"'{path}' has no truth while it moves", "nothing in it can be scored")
+    return planes
+
+
+# --- the node ---
+
+
+def estimate(program: Path, data: bytes, samples: int) -> Array:
+    """The attitude in the truth's frame for each sample: the newest that the graph published."""
+    with tempfile.TemporaryDirectory() as folder:
+        recording, log = Path(folder) / "recording.f32", Path(folder) / "attitude.ulg"
+        recording.write_bytes(data)
+        subprocess.run([program, "--recording", recording, "--log", log], check=True)
+        return product(ENU_FROM_NED, attitudes_in(log, samples))
+
+
+def attitudes_in(log: Path, samples: int) -> Array:
+    from pyulog import ULog
+
+    logged = ULog(str(log), ["vehicle_attitude"]).get_dataset("vehicle_attitude").data
+    result = np.tile([1.0, 0.0, 0.0, 0.0], (samples, 1))
+    times = (np.arange(samples) + 1) * PERIOD_US
+    newest = np.searchsorted(logged["timestamp_sample"], times, side="right") - 1
+    known = newest >= 0
+    for i in range(4):
+        result[known, i] = logged[f"q[{i}]"][newest[known]]
+    return result
+
+
+# --- peers ---
+
+
+def peers_in(folder: Path, names: set[str]) -> dict[str, list[Score]]:
+    """By filter: its scores on those of the named recordings that peer_rmse.csv has."""
+    path = folder / "peer_rmse.csv"
+    result: dict[str, list[Score]] = {}
+    if not path.is_file():
+        return result
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            for row in csv.DictReader(file):
+                if row["trial"] in names:
+                    figures = (float(row[key]) for key in ("total", "heading", "incl"))
+                    result.setdefault(row["filter"], []).append(Score(row["trial"], *figures))
+    except (OSError, KeyError, TypeError, ValueError):
+        raise CannotScore(f"cannot understand '{path}'",
+                          "its columns are trial,filter,total,heading,incl") from None
+    return result
+
+
+# --- the command ---
+
+
+def show(scores: list[Score], mean: Score, peers: dict[str, list[Score]]) -> None:
+    peer_means = sorted((mean_of(f"{name} ({len(rows)} of {len(scores)})", rows)
+                         for name, rows in peers.items()), key=lambda score: score.total_deg)
+    width = max(len(score.name) for score in [*scores, mean, *peer_means])
+
+    def line(score: Score) -> str:
+        return (f"{score.name:<{width}}  {score.total_deg:8.2f}  {score.heading_deg:8.2f}"
+                f"  {score.inclination_deg:11.2f}")
+
+    print("RMSE in degrees while moving")
+    print(f"{'':<{width}}  {'total':>8}  {'heading':>8}  {'inclination':>11}")
+    print("\n".join(line(score) for score in [*scores, mean]))
+    if peer_means:
+        print("\nOther filters, mean over the same recordings")
+        print("\n".join(line(score) for score in peer_means))
+
+
+def as_json(scores: list[Score], mean: Score, peers: dict[str, list[Score]]) -> str:
+    def row(score: Score) -> dict[str, str | float]:
+        return {"name": score.name, **score.figures()}
+
+    return json.dumps({
+        "recordings": [row(score) for score in scores],
+        "mean": mean.figures(),
+        "peers": {name: {"recordings": [row(score) for score in rows],
+                         "mean": mean_of(name, rows).figures()}
+                  for name, rows in peers.items()},
+    }, indent=2)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = (
+        f"A recording is NAME{SUFFIX}: a gzip file of float32, little-endian, {PLANES} planes of N\n"
+        "values at 285.714 Hz: gyro xyz [rad/s], accelerometer xyz [m/s^2], magnetometer xyz [uT],\n"
+        "true attitude wxyz (sensor to east-north-up, NaN where unknown), moving (0 or 1).")
+    parser.add_argument("estimator", choices=["attitude"], help="what to score")
+    parser.add_argument("folder", type=Path, metavar="DIR",
+                        help=f"folder of *{SUFFIX} recordings, and peer_rmse.csv if there is one")
+    parser.add_argument("--json", action="store_true", help="print what programs read")
+
+
+def score(folder: Path) -> tuple[list[Score], dict[str, list[Score]]]:
+    from stator.build import build
+
+    paths = recordings_in(folder)
+    peers = peers_in(folder, {path.name.removesuffix(SUFFIX) for path in paths})
+    data = {path: unpack(path) for path in paths}
+    planes = {path: planes_of(path, data[path]) for path in paths}
+    program = build(GRAPH, BOARD)
+    scores = []
+    for path in paths:
+        truth, moving = planes[path][TRUTH].T, planes[path][MOVING] > 0.5
+        name = path.name.removesuffix(SUFFIX)
+        scores.append(rmse(name, truth, estimate(program, data[path], len(moving)), moving))
+    return scores, peers
+
+
+def main(arguments: argparse.Namespace) -> int:
+    from stator.build import BuildFailed
+
+    try:
+        scores, peers = score(arguments.folder)
+    except (CannotScore, BuildFailed) as problem:
+        print(problem, file=sys.stderr)
+        return 1
+    except subprocess.CalledProcessError as problem:
+        print(f"error: the replay ended with status {problem.returncode}; see its message above",
+              file=sys.stderr)
+        return 1
+    mean = mean_of("mean", scores)
+    if arguments.json:
+        print(as_json(scores, mean, peers))
+    else:
+        show(scores, mean, peers)
+    return 0

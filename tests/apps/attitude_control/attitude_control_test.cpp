@@ -1,0 +1,148 @@
+// Attitude control: tilt before heading, the shorter way round, limits, absent setpoints, convergence.
+#include "attitude_control.hpp"
+
+#include <gtest/gtest.h>
+
+#include "stator/random.hpp"
+#include "stator/testing.hpp"
+
+namespace stator {
+namespace {
+
+using math::Quaternion;
+using math::Vector3;
+
+Quaternion<float> euler(float roll, float pitch, float yaw) {
+    return math::from_euler(math::EulerAngles<float>{roll, pitch, yaw});
+}
+std::array<float, 4> wxyz(const Quaternion<float>& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+
+class AttitudeControlTest : public ::testing::Test {
+  protected:
+    AttitudeControlTest() {
+        params_.tilt_p = 7.0F;
+        params_.yaw_p = 2.0F;
+        params_.roll_rate_limit = params_.pitch_rate_limit = params_.yaw_rate_limit = 100.0F;
+        setpoint_.thrust_body = {0.0F, 0.0F, -0.5F};
+        set(Quaternion<float>::Identity());
+    }
+    void set(const Quaternion<float>& q) { setpoint_.q_d = wxyz(q); }
+
+    Vector3<float> rates_at(const Quaternion<float>& q_NB) {
+        const VehicleAttitude attitude{.timestamp = 0, .timestamp_sample = 0, .q = wxyz(q_NB)};
+        AttitudeControlPorts ports{.attitude = Input(attitude),
+                                   .setpoint = has_setpoint_ ? Input(setpoint_)
+                                                             : Input<VehicleAttitudeSetpoint>(),
+                                   .params = Input(params_)};
+        testing::Probe rates(ports.rates, 0);
+        node_.step(ports);
+        newest_ = rates.newest();
+        return {newest_.roll, newest_.pitch, newest_.yaw};
+    }
+
+    AttitudeControl node_;
+    VehicleAttitudeSetpoint setpoint_{};
+    AttitudeControlParams params_{};
+    VehicleRatesSetpoint newest_{};
+    bool has_setpoint_ = true;
+};
+
+TEST_F(AttitudeControlTest, wants_nothing_before_the_first_setpoint) {
+    has_setpoint_ = false;
+    EXPECT_EQ(rates_at(euler(0.3F, 0.2F, 0.1F)), Vector3<float>::Zero());
+    EXPECT_EQ(newest_.thrust_body[2], 0.0F);
+}
+
+TEST_F(AttitudeControlTest, rests_at_the_setpoint_and_passes_the_thrust_on) {
+    set(euler(0.3F, -0.2F, 2.0F));
+    EXPECT_LT(math::norm(rates_at(euler(0.3F, -0.2F, 2.0F))), 1e-5F);
+    EXPECT_EQ(newest_.thrust_body, setpoint_.thrust_body);
+}
+
+TEST_F(AttitudeControlTest, rates_are_gain_times_twice_the_sine_of_half_the_error) {
+    EXPECT_NEAR(rates_at(euler(0.2F, 0.0F, 0.0F)).x(), -7.0F * 2.0F * math::sin(0.1F), 1e-5F);
+    EXPECT_NEAR(rates_at(euler(0.0F, -0.2F, 0.0F)).y(), 7.0F * 2.0F * math::sin(0.1F), 1e-5F);
+    EXPECT_NEAR(rates_at(euler(0.0F, 0.0F, 0.2F)).z(), -2.0F * 2.0F * math::sin(0.1F), 1e-5F);
+}
+
+TEST_F(AttitudeControlTest, both_signs_of_a_quaternion_are_the_same_attitude) {
+    const Quaternion<float> q = euler(0.4F, -0.3F, 3.0F);
+    const Vector3<float> rates = rates_at(q);
+    EXPECT_LT(math::norm(rates_at(Quaternion<float>(-q.coeffs())) - rates), 1e-5F);
+    set(Quaternion<float>(-1.0F, 0.0F, 0.0F, 0.0F));
+    EXPECT_LT(math::norm(rates_at(q) - rates), 1e-5F);
+}
+
+// The point of the split: however wrong the heading, tilt is corrected as fast as without.
+TEST_F(AttitudeControlTest, tilt_goes_before_heading) {
+    for (const float yaw : {0.0F, 1.0F, 2.0F, 3.0F, -3.0F}) {
+        const Vector3<float> rates = rates_at(euler(0.0F, 0.0F, yaw) * euler(0.5F, 0.0F, 0.0F));
+        EXPECT_NEAR(rates.x(), -7.0F * 2.0F * math::sin(0.25F), 1e-4F) << yaw;
+        EXPECT_NEAR(rates.y(), 0.0F, 1e-4F) << yaw;
+    }
+}
+
+TEST_F(AttitudeControlTest, turns_the_shorter_way_to_a_heading) {
+    set(euler(0.0F, 0.0F, 3.0F));
+    EXPECT_LT(rates_at(euler(0.0F, 0.0F, -3.0F)).z(), 0.0F);
+    EXPECT_GT(rates_at(euler(0.0F, 0.0F, 2.5F)).z(), 0.0F);
+}
+
+TEST_F(AttitudeControlTest, upside_down_it_rolls_back_whatever_the_heading) {
+    const Vector3<float> rates = rates_at(Quaternion<float>(0.0F, 1.0F, 0.0F, 0.0F));
+    EXPECT_FLOAT_EQ(math::abs(rates.x()), 14.0F);
+    EXPECT_EQ(rates.z(), 0.0F);
+}
+
+TEST_F(AttitudeControlTest, rates_stay_within_their_limits) {
+    params_.roll_rate_limit = 1.0F;
+    params_.pitch_rate_limit = 2.0F;
+    params_.yaw_rate_limit = 0.5F;
+    const Vector3<float> rates = rates_at(euler(1.0F, 1.0F, 0.0F) * euler(0.0F, 0.0F, 2.0F));
+    EXPECT_EQ(math::abs(rates.x()), 1.0F);
+    EXPECT_EQ(math::abs(rates.y()), 2.0F);
+    EXPECT_EQ(math::abs(rates.z()), 0.5F);
+}
+
+// Rolled by a quarter, the right wing points down: turning about down is turning about B's y.
+TEST_F(AttitudeControlTest, heading_rate_is_about_the_local_down_axis) {
+    const Quaternion<float> q = euler(math::kHalfPi<float>, 0.0F, 0.0F);
+    set(q);
+    setpoint_.yaw_sp_move_rate = 0.3F;
+    EXPECT_LT(math::norm(rates_at(q) - Vector3<float>(0.0F, 0.3F, 0.0F)), 1e-5F);
+}
+
+TEST_F(AttitudeControlTest, without_its_setpoint_it_levels_at_the_last_thrust) {
+    set(euler(0.5F, 0.0F, 0.0F));
+    rates_at(euler(0.5F, 0.0F, 0.0F));
+    has_setpoint_ = false;
+    const Vector3<float> rates = rates_at(euler(0.5F, 0.0F, 0.0F));
+    EXPECT_NEAR(rates.x(), -7.0F * 2.0F * math::sin(0.25F), 1e-4F);
+    EXPECT_NEAR(rates.z(), 0.0F, 1e-5F);
+    EXPECT_EQ(newest_.thrust_body[2], -0.5F);
+}
+
+TEST_F(AttitudeControlTest, a_setpoint_that_is_no_number_reads_as_absent) {
+    rates_at(Quaternion<float>::Identity());
+    setpoint_.q_d[2] = math::canonical_nan<float>();
+    EXPECT_NEAR(rates_at(euler(0.2F, 0.0F, 0.0F)).x(), -1.4F, 0.01F);
+}
+
+TEST_F(AttitudeControlTest, converges_from_any_attitude_to_any_other) {
+    params_.roll_rate_limit = params_.pitch_rate_limit = 3.8F;
+    params_.yaw_rate_limit = 1.5F;
+    math::Random random(1);
+    for (int trial = 0; trial < 50; ++trial) {
+        std::array<float, 8> word;
+        for (float& w : word) w = random.gaussian_float();
+        Quaternion<float> q = math::normalized(Quaternion<float>(word[0], word[1], word[2], word[3]));
+        const Quaternion<float> wanted =
+            math::normalized(Quaternion<float>(word[4], word[5], word[6], word[7]));
+        set(wanted);
+        for (int i = 0; i < 2000; ++i) q = math::integrate(q, rates_at(q), 0.004F);
+        EXPECT_LT(math::norm(math::to_rotation_vector(q.conjugate() * wanted)), 1e-3F) << trial;
+    }
+}
+
+}  // namespace
+}  // namespace stator

@@ -1,0 +1,298 @@
+// Position control: from errors to a thrust vector, its limits, anti-windup, unknown axes, arming.
+#include "position_control.hpp"
+
+#include <gtest/gtest.h>
+
+#include "stator/testing.hpp"
+
+namespace stator {
+namespace {
+
+using math::Quaternion;
+using math::Vector3;
+
+constexpr float kNaN = math::canonical_nan<float>();
+constexpr float kGravity = 9.80665F;
+constexpr float kHover = 0.5F;
+
+class PositionControlTest : public ::testing::Test {
+  protected:
+    PositionControlTest() {
+        params_.horizontal_p = params_.vertical_p = 1.0F;
+        params_.horizontal_velocity_p = 2.0F;
+        params_.vertical_velocity_p = 4.0F;
+        params_.derivative_cutoff = 5.0F;
+        params_.integral_limit = 4.0F;
+        params_.horizontal_speed_limit = 4.0F;
+        params_.climb_limit = 2.0F;
+        params_.descent_limit = 1.0F;
+        params_.tilt_limit = 0.6F;
+        params_.hover_thrust = kHover;
+        params_.thrust_min = 0.1F;
+        params_.thrust_max = 0.9F;
+        params_.spool_up_time = 0.1F;
+        params_.blind_sink = 0.3F;
+        position_.xy_valid = position_.z_valid = position_.v_xy_valid = position_.v_z_valid = true;
+        status_.arming_state = VehicleStatus::ArmingState::kArmed;
+    }
+
+    // Gives a new position 10 ms after the one before.
+    void step() {
+        now_us_ += 10'000;
+        position_.timestamp_sample = now_us_;
+        PositionControlPorts ports{.now = now_us_,
+                                   .position = has_position_ ? Input(position_)
+                                                             : Input<VehicleLocalPosition>(),
+                                   .setpoint = has_setpoint_ ? Input(setpoint_)
+                                                             : Input<TrajectorySetpoint>(),
+                                   .status = Input(status_),
+                                   .params = Input(params_, is_first_)};
+        is_first_ = false;
+        testing::Probe probe(ports.attitude_setpoint, now_us_);
+        node_.step(ports);
+        publications_ = probe.count();
+        if (probe.count() != 0) newest_ = probe.newest();
+    }
+    void steps(int count) {
+        for (int i = 0; i < count; ++i) step();
+    }
+    void spool_up() {
+        steps(11);
+        ASSERT_NEAR(thrust(), kHover, 1e-3F);
+    }
+
+    float thrust() const { return -newest_.thrust_body[2]; }
+    Quaternion<float> attitude() const {
+        return {newest_.q_d[0], newest_.q_d[1], newest_.q_d[2], newest_.q_d[3]};
+    }
+    // Acceleration that the wanted thrust gives a vehicle whose hover thrust is as the parameter says.
+    Vector3<float> acceleration() const {
+        const Vector3<float> thrust_B(0.0F, 0.0F, -thrust());
+        const Vector3<float> thrust_N = attitude().toRotationMatrix() * thrust_B;
+        return thrust_N * (kGravity / kHover) + Vector3<float>(0.0F, 0.0F, kGravity);
+    }
+
+    PositionControl node_;
+    VehicleLocalPosition position_{};
+    TrajectorySetpoint setpoint_{};
+    VehicleStatus status_{};
+    PositionControlParams params_{};
+    VehicleAttitudeSetpoint newest_{};
+    uint32_t publications_ = 0;
+    uint64_t now_us_ = 1'000'000;
+    bool has_position_ = true;
+    bool has_setpoint_ = true;
+    bool is_first_ = true;
+};
+
+TEST_F(PositionControlTest, disarmed_it_wants_level_and_no_thrust) {
+    status_.arming_state = VehicleStatus::ArmingState::kDisarmed;
+    position_.heading = 1.0F;
+    setpoint_.position = {5.0F, 0.0F, -5.0F};
+    step();
+    EXPECT_EQ(thrust(), 0.0F);
+    EXPECT_LT(math::tilt(attitude()), 1e-4F);
+    EXPECT_NEAR(math::heading(attitude()), 1.0F, 1e-5F);
+}
+
+TEST_F(PositionControlTest, thrust_rises_from_nothing_after_arming) {
+    params_.spool_up_time = 1.0F;
+    setpoint_.position = {0.0F, 0.0F, -10.0F};
+    step();
+    float before = thrust();
+    EXPECT_LT(before, 0.1F);
+    for (int i = 0; i < 80; ++i) {
+        step();
+        EXPECT_LT(thrust() - before, 0.01F);
+        before = thrust();
+    }
+    EXPECT_GT(thrust(), 0.7F);
+}
+
+TEST_F(PositionControlTest, at_the_setpoint_it_hovers_level_at_the_wanted_heading) {
+    setpoint_.yaw = -2.0F;
+    spool_up();
+    EXPECT_LT(math::tilt(attitude()), 1e-4F);
+    EXPECT_NEAR(math::heading(attitude()), -2.0F, 1e-5F);
+}
+
+// p * p_velocity * error: 1 * 2 * 0.5 north, 1 * 4 * 0.2 up.
+TEST_F(PositionControlTest, accelerates_towards_the_setpoint) {
+    spool_up();
+    setpoint_.position = {0.5F, -0.5F, -0.2F};
+    step();
+    EXPECT_LT(math::norm(acceleration() - Vector3<float>(1.0F, -1.0F, -0.8F)), 1e-3F);
+}
+
+TEST_F(PositionControlTest, velocity_and_acceleration_are_fed_forward) {
+    spool_up();
+    setpoint_.velocity = {0.5F, 0.0F, 0.0F};
+    setpoint_.acceleration = {0.0F, 0.3F, -0.2F};
+    step();
+    EXPECT_LT(math::norm(acceleration() - Vector3<float>(1.0F, 0.3F, -0.2F)), 1e-3F);
+}
+
+TEST_F(PositionControlTest, thrust_points_where_it_should_at_any_heading) {
+    spool_up();
+    setpoint_.position = {0.5F, 0.0F, 0.0F};
+    for (const float yaw : {-3.0F, -1.0F, 1.0F, 3.0F}) {
+        setpoint_.yaw = yaw;
+        step();
+        EXPECT_NEAR(acceleration().x(), 1.0F, 1e-3F) << yaw;
+        EXPECT_NEAR(acceleration().y(), 0.0F, 1e-3F) << yaw;
+    }
+}
+
+TEST_F(PositionControlTest, far_away_it_flies_at_the_speed_limit) {
+    spool_up();
+    setpoint_.position = {300.0F, 400.0F, -50.0F};
+    position_.vx = 2.4F;
+    position_.vy = 3.2F;
+    position_.vz = -2.0F;
+    step();
+    EXPECT_LT(math::norm(acceleration()), 1e-2F);
+}
+
+TEST_F(PositionControlTest, tilt_is_limited_and_the_weight_still_carried) {
+    params_.horizontal_velocity_p = 10.0F;
+    spool_up();
+    setpoint_.position = {100.0F, 0.0F, 0.0F};
+    step();
+    EXPECT_NEAR(math::tilt(attitude()), 0.6F, 1e-4F);
+    EXPECT_NEAR(acceleration().z(), 0.0F, 1e-3F);
+}
+
+TEST_F(PositionControlTest, height_goes_before_direction_at_full_thrust) {
+    params_.horizontal_velocity_p = 10.0F;
+    params_.vertical_velocity_p = 15.0F;
+    spool_up();
+    setpoint_.position = {100.0F, 0.0F, -100.0F};
+    step();
+    EXPECT_NEAR(thrust(), 0.9F, 1e-4F);
+    EXPECT_LT(math::tilt(attitude()), 1e-2F);
+}
+
+TEST_F(PositionControlTest, some_thrust_stays_in_the_fastest_descent) {
+    params_.vertical_velocity_p = 15.0F;
+    spool_up();
+    setpoint_.position = {0.0F, 0.0F, 100.0F};
+    step();
+    EXPECT_FLOAT_EQ(thrust(), 0.1F);
+}
+
+TEST_F(PositionControlTest, integral_grows_with_time_to_its_limit) {
+    params_.vertical_velocity_i = 1.0F;
+    spool_up();
+    position_.vz = 0.1F;
+    steps(100);
+    EXPECT_NEAR(acceleration().z(), -(0.4F + 0.1F), 2e-3F);
+    params_.integral_limit = 0.2F;
+    is_first_ = true;
+    steps(300);
+    EXPECT_NEAR(acceleration().z(), -(0.4F + 0.2F), 2e-3F);
+}
+
+TEST_F(PositionControlTest, a_saturated_axis_does_not_wind_up) {
+    params_.vertical_velocity_i = 1.0F;
+    params_.horizontal_velocity_i = 1.0F;
+    spool_up();
+    setpoint_.position = {100.0F, 0.0F, 100.0F};
+    params_.horizontal_velocity_p = 10.0F;
+    params_.vertical_velocity_p = 15.0F;
+    is_first_ = true;
+    steps(500);
+    setpoint_.position = {};
+    step();
+    EXPECT_LT(math::norm(acceleration()), 1e-2F);
+}
+
+TEST_F(PositionControlTest, disarming_clears_the_integral) {
+    params_.vertical_velocity_i = 1.0F;
+    spool_up();
+    position_.vz = 0.5F;
+    steps(100);
+    position_.vz = 0.0F;
+    status_.arming_state = VehicleStatus::ArmingState::kDisarmed;
+    step();
+    status_.arming_state = VehicleStatus::ArmingState::kArmed;
+    spool_up();
+}
+
+TEST_F(PositionControlTest, derivative_opposes_measured_acceleration) {
+    params_.horizontal_velocity_d = 0.5F;
+    spool_up();
+    setpoint_.position[0] = setpoint_.velocity[0] = kNaN;
+    for (int i = 0; i < 100; ++i) {
+        position_.vx += 2.0F * 0.01F;
+        step();
+    }
+    EXPECT_NEAR(acceleration().x(), -0.5F * 2.0F, 0.02F);
+}
+
+TEST_F(PositionControlTest, a_free_axis_is_left_alone) {
+    spool_up();
+    setpoint_.position = {kNaN, kNaN, 0.0F};
+    setpoint_.velocity = {kNaN, 0.0F, 0.0F};
+    position_.vx = 1.0F;
+    position_.vy = 1.0F;
+    step();
+    EXPECT_NEAR(acceleration().x(), 0.0F, 1e-4F);
+    EXPECT_NEAR(acceleration().y(), -2.0F, 1e-3F);
+}
+
+TEST_F(PositionControlTest, a_free_heading_stays_where_it_is) {
+    setpoint_.yaw = kNaN;
+    position_.heading = 2.0F;
+    step();
+    EXPECT_NEAR(math::heading(attitude()), 2.0F, 1e-5F);
+}
+
+TEST_F(PositionControlTest, without_a_setpoint_it_stands_still) {
+    spool_up();
+    has_setpoint_ = false;
+    position_.x = 100.0F;
+    position_.vx = 0.5F;
+    step();
+    EXPECT_LT(math::norm(acceleration() - Vector3<float>(-1.0F, 0.0F, 0.0F)), 1e-3F);
+}
+
+TEST_F(PositionControlTest, with_an_unknown_horizontal_velocity_it_flies_level) {
+    spool_up();
+    setpoint_.position = {10.0F, 0.0F, 0.0F};
+    position_.xy_valid = position_.v_xy_valid = false;
+    step();
+    EXPECT_LT(math::tilt(attitude()), 1e-4F);
+    EXPECT_NEAR(acceleration().z(), 0.0F, 1e-3F);
+}
+
+TEST_F(PositionControlTest, with_an_unknown_vertical_velocity_it_sinks_gently) {
+    spool_up();
+    setpoint_.position = {0.0F, 0.0F, -10.0F};
+    position_.v_z_valid = false;
+    step();
+    EXPECT_NEAR(acceleration().z(), 0.3F, 1e-3F);
+}
+
+TEST_F(PositionControlTest, with_an_unknown_position_it_holds_the_velocity) {
+    spool_up();
+    setpoint_.position = {10.0F, 0.0F, 0.0F};
+    position_.xy_valid = false;
+    position_.vx = 0.5F;
+    step();
+    EXPECT_NEAR(acceleration().x(), -1.0F, 1e-3F);
+}
+
+TEST_F(PositionControlTest, a_missing_position_is_awaited_then_it_sinks_level) {
+    spool_up();
+    setpoint_.position = {10.0F, 0.0F, 0.0F};
+    has_position_ = false;
+    step();
+    EXPECT_EQ(publications_, 0U);
+    steps(40);
+    EXPECT_EQ(publications_, 1U);
+    EXPECT_LT(math::tilt(attitude()), 1e-4F);
+    EXPECT_NEAR(acceleration().z(), 0.3F, 1e-3F);
+}
+
+}  // namespace
+}  // namespace stator

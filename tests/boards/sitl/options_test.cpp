@@ -1,0 +1,71 @@
+// The command line of a simulated flight.
+#include "options.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace stator::board {
+namespace {
+
+// Nothing on the standard error output, or the one line that was there.
+std::string refusal(std::vector<const char*> arguments, Options& options) {
+    arguments.insert(arguments.begin(), "program");
+    const int count = static_cast<int>(arguments.size());
+    testing::internal::CaptureStderr();
+    const bool parsed = parse(count, arguments.data(), options);
+    const std::string text = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(parsed, text.empty());
+    return text;
+}
+
+TEST(Options, reads_all) {
+    Options options;
+    EXPECT_EQ(refusal({"--log", "a b.ulg", "--truth", "t", "--seed", "18446744073709551615",
+                       "--duration", "2.5", "--times", "random"},
+                      options),
+              "");
+    EXPECT_STREQ(options.log, "a b.ulg");
+    EXPECT_STREQ(options.truth, "t");
+    EXPECT_EQ(options.seed, 18446744073709551615U);
+    EXPECT_EQ(options.duration_us, 2500000U);
+    EXPECT_TRUE(options.random_times);
+}
+
+TEST(Options, needs_none) {
+    Options options;
+    EXPECT_EQ(refusal({}, options), "");
+    EXPECT_EQ(options.log, nullptr);
+    EXPECT_FALSE(options.random_times);
+}
+
+TEST(Options, refuses_what_is_no_value) {
+    for (const char* const duration : {"0", "-1", "nan", "inf", "1e7", "5s", "", " 5"}) {
+        Options options;
+        EXPECT_EQ(refusal({"--duration", duration}, options),
+                  "error: --duration '" + std::string(duration) +
+                      "': wanted is a number of seconds, above 0 and at most 1000000\n");
+    }
+    for (const char* const seed : {"-1", "1.5", "x", "", "18446744073709551616"}) {
+        Options options;
+        EXPECT_EQ(refusal({"--seed", seed}, options),
+                  "error: --seed '" + std::string(seed) +
+                      "': wanted is a whole number from 0 to 18446744073709551615\n");
+    }
+    Options options;
+    EXPECT_EQ(refusal({"--times", "one"}, options),
+              "error: --times 'one': wanted is zero or random\n");
+    EXPECT_EQ(refusal({"--seed"}, options),
+              "error: --seed '': wanted is a whole number from 0 to 18446744073709551615\n");
+}
+
+TEST(Options, refuses_what_it_does_not_know) {
+    Options options;
+    EXPECT_EQ(refusal({"--sed", "1"}, options),
+              "error: unknown argument '--sed': known are --log FILE, --truth FILE, --seed N, "
+              "--duration SECONDS, --times zero|random\n");
+}
+
+}  // namespace
+}  // namespace stator::board

@@ -1,0 +1,144 @@
+// What happens when in the simulated world, and what is seen of the flight.
+#include "world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "truth.hpp"
+
+namespace stator::board {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr std::array<float, kRotors> kStopped{kNan, kNan, kNan, kNan};
+
+std::array<float, kRotors> all(float control) {
+    return {control, control, control, control};
+}
+
+void run_until(World& world, std::uint64_t time_us) {
+    while (world.next_event_us() <= time_us) world.move_to_next_event();
+}
+
+TEST(World, imu_samples_at_time_zero_and_each_millisecond) {
+    World world(1);
+    EXPECT_EQ(world.next_event_us(), 0U);
+    for (std::uint64_t time_us = 0; time_us <= 20000; time_us += 1000) {
+        EXPECT_EQ(world.next_event_us(), time_us);
+        EXPECT_TRUE(world.move_to_next_event().imu_sampled);
+        EXPECT_EQ(world.plant().time_us(), time_us);
+    }
+}
+
+TEST(World, motion_capture_arrives_late_with_the_time_of_its_picture) {
+    World world(1);
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> arrivals;
+    while (world.next_event_us() <= 30000) {
+        const World::Event event = world.move_to_next_event();
+        if (event.mocap_received)
+            arrivals.emplace_back(world.plant().time_us(), event.mocap.time_us);
+    }
+    const decltype(arrivals) expected{{5000, 0}, {15000, 10000}, {25000, 20000}};
+    EXPECT_EQ(arrivals, expected);
+}
+
+TEST(World, motion_capture_shows_where_the_vehicle_was_at_the_picture) {
+    World world(1);
+    world.move_to_next_event();
+    world.command_motors(0, all(1.0f));
+    run_until(world, 504000);
+    const double z_then = [&] {
+        World same(1);
+        same.move_to_next_event();
+        same.command_motors(0, all(1.0f));
+        run_until(same, 500000);
+        return same.plant().state().position_N.z();
+    }();
+    const World::Event event = world.move_to_next_event();
+    ASSERT_TRUE(event.mocap_received);
+    EXPECT_NEAR(static_cast<double>(event.mocap.position_N.z()), z_then, 0.005);
+    EXPECT_LT(world.plant().state().position_N.z(), z_then - 0.01);  // it has climbed since
+}
+
+TEST(World, command_acts_from_its_instant_on) {
+    World world(1);
+    world.move_to_next_event();
+    world.command_motors(300, all(1.0f));
+    world.move_to_next_event();
+    const double expected = 1100.0 * (1.0 - std::exp(-700e-6 / 0.0125));
+    EXPECT_NEAR(world.plant().state().rotor_speeds[2], expected, 1e-4);
+}
+
+TEST(World, flight_is_a_function_of_its_seed) {
+    const auto end = [](std::uint64_t seed) {
+        World world(seed);
+        world.move_to_next_event();
+        world.command_motors(0, all(0.6f));
+        Vector3f sum = Vector3f::Zero();
+        while (world.next_event_us() <= 200000) {
+            const World::Event event = world.move_to_next_event();
+            sum += event.imu.gyro_B + event.imu.accel_B + event.mocap.position_N;
+        }
+        return sum;
+    };
+    EXPECT_EQ(end(5), end(5));
+    EXPECT_NE(end(5), end(6));
+}
+
+TEST(World, sees_a_whole_flight) {
+    World world(1);
+    world.move_to_next_event();
+    world.command_motors(0, all(0.7f));
+    run_until(world, 1000000);
+    ASSERT_TRUE(world.watch().take_off_us());
+    EXPECT_LT(*world.watch().take_off_us(), 100000U);
+    EXPECT_FALSE(world.watch().touchdown());
+    const double height = -world.plant().state().position_N.z();
+    const double climb_speed = -world.plant().state().velocity_N.z();
+    world.command_motors(1000000, all(0.0f));
+    run_until(world, 4000000);
+    ASSERT_TRUE(world.watch().touchdown());
+    // A fall from the highest point: v^2 = climb speed^2 + 2 g height, less some drag.
+    const double speed = std::sqrt(climb_speed * climb_speed + 2.0 * 9.80665 * height);
+    EXPECT_NEAR(world.watch().touchdown()->speed, speed, 0.05 * speed);
+    EXPECT_FALSE(world.is_over());  // commanded to zero is not stopped
+    world.command_motors(4000000, kStopped);
+    run_until(world, 5000000);
+    EXPECT_FALSE(world.is_over());
+    run_until(world, 5001000);
+    EXPECT_TRUE(world.is_over());
+}
+
+TEST(World, standing_with_stopped_motors_is_not_the_end_of_a_flight) {
+    World world(1);
+    world.move_to_next_event();
+    world.command_motors(0, kStopped);
+    run_until(world, 3000000);
+    EXPECT_FALSE(world.is_over());
+    EXPECT_FALSE(world.watch().take_off_us());
+}
+
+TEST(Truth, row_holds_the_state_in_its_order) {
+    QuadState state;
+    state.position_N = Vector3(1.0, 2.0, -30.0);
+    state.velocity_N = Vector3(4.0, 5.0, 6.0);
+    state.q_NB = Quaternion(0.5, -0.5, 0.5, -0.5);
+    state.rate_B = Vector3(7.0, 8.0, 9.0);
+    std::FILE* const file = std::tmpfile();
+    ASSERT_TRUE(write_truth(file, Plant(QuadParameters{}, state)));
+    std::rewind(file);
+    std::array<double, kTruthColumns + 1> row{};
+    EXPECT_EQ(std::fread(row.data(), sizeof(double), row.size(), file), kTruthColumns);
+    const std::array<double, kTruthColumns + 1> expected{
+        0.0, 1.0, 2.0, -30.0, 4.0, 5.0, 6.0, 0.5, -0.5, 0.5, -0.5, 7.0, 8.0, 9.0, 0.0, 0.0};
+    EXPECT_EQ(row, expected);
+    EXPECT_EQ(std::fclose(file), 0);
+}
+
+}  // namespace
+}  // namespace stator::board
