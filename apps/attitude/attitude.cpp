@@ -9,16 +9,21 @@ namespace {
 constexpr float kLongestGap = 0.25f;  // s
 // Corrections are slow: the samples of this long are averaged first.
 constexpr uint64_t kCorrectionInterval = 10'000;  // us
-// Motion capture that was away for longer is followed from its first sample on, at once.
-constexpr float kLongestCaptureGap = 1.0f;  // s
+// Motion capture that was away for longer is followed at once, as at the start, whatever turned in
+// the meantime: the vehicle or its reference.
+constexpr float kLongestCaptureGap = 1.0f;    // s
 constexpr uint64_t kCaptureHold = 1'000'000;  // us
-constexpr float kMoving = 0.35f;  // rad/s
+constexpr float kMoving = 0.35f;              // rad/s
 // Nearer to the vertical the nose shows no heading.
 constexpr float kLeastLevelNose = 0.2f;
 
-math::Vector3<float> vector(const std::array<float, 3>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
+math::Vector3<float> vector(const std::array<float, 3>& xyz) {
+    return {xyz[0], xyz[1], xyz[2]};
+}
 
-bool is_finite(const math::Vector3<float>& v) { return math::is_finite(v.squaredNorm()); }
+bool is_finite(const math::Vector3<float>& v) {
+    return math::is_finite(v.squaredNorm());
+}
 
 }  // namespace
 
@@ -83,16 +88,19 @@ void Attitude::use_motion_capture(const VehicleOdometry& seen, const AttitudePar
     const math::Quaternion<float> q_seen(seen.q[0], seen.q[1], seen.q[2], seen.q[3]);
     const math::Matrix3<float> R_TB = inclination_.q_TB().toRotationMatrix();
     const float level_nose = R_TB.col(0).head<2>().squaredNorm();
-    if (!math::is_finite(q_seen.squaredNorm()) || level_nose < math::square(kLeastLevelNose)) return;
-    const std::optional<float> dt = capture_clock_.advance(seen.timestamp_sample);
-    if (!dt) return;
-    if (*dt > kLongestCaptureGap) capture_gain_.restart();
+    if (!math::is_finite(q_seen.squaredNorm()) || level_nose < math::square(kLeastLevelNose))
+        return;
+    const std::optional<float> elapsed = capture_clock_.advance(seen.timestamp_sample);
+    if (!elapsed) return;
+    const bool anew = *elapsed > kLongestCaptureGap;
+    if (anew) capture_gain_.restart();
+    const float dt = anew ? 0.0f : *elapsed;
     capture_until_us_ = seen.timestamp_sample + kCaptureHold;
-    const float gain = capture_gain_.next(*dt, params.heading_time_constant);
+    const float gain = capture_gain_.next(dt, params.heading_time_constant);
     const float heading_T = math::atan2(R_TB(1, 0), R_TB(0, 0));
     const float turn = gain * heading_.error(heading_T, math::heading(q_seen));
     heading_.turn(turn);
-    if (*dt > 0.0f) bias_.update_heading(R_TB, -turn / *dt, gain, *dt, params);
+    if (dt > 0.0f) bias_.update_heading(R_TB, -turn / dt, gain, dt, params);
 }
 
 void Attitude::use_magnetometer(const SensorMag& sample, const AttitudeParams& params) {

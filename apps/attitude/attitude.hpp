@@ -70,7 +70,7 @@ class Attitude {
     Vector rate_B_ = Vector::Zero();  // as measured
     Average rates_B_;
     Average forces_B_;
-    uint64_t capture_until_us_ = 0;   // the magnetometer is not used before
+    uint64_t capture_until_us_ = 0;  // the magnetometer is not used before
     bool aligned_ = false;
 };
 

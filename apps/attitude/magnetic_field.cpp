@@ -54,9 +54,7 @@ void MagneticField::look_for_another(bool moving, float dt, const AttitudeParams
     candidate_ += (now_ - candidate_) * (dt / (kUsualTimeConstant + dt));
     if (moving) candidate_s_ += dt;
     const float enough = usual_.isZero(0.0f) ? kFirstCandidate : kNewCandidate;
-    if (candidate_s_ < enough) return;
-    usual_ = candidate_;
-    candidate_s_ = 0.0f;
+    if (candidate_s_ >= enough) usual_ = candidate_;
 }
 
 }  // namespace stator

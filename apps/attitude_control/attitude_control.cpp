@@ -73,10 +73,8 @@ void AttitudeControl::step(AttitudeControlPorts& ports) {
     if (!ports.attitude) return;
     const Vector3<float> rates = rates_setpoint(ports);
     ports.rates.publish([&] {
-        return VehicleRatesSetpoint{.roll = rates.x(),
-                                    .pitch = rates.y(),
-                                    .yaw = rates.z(),
-                                    .thrust_body = thrust_body_};
+        return VehicleRatesSetpoint{
+            .roll = rates.x(), .pitch = rates.y(), .yaw = rates.z(), .thrust_body = thrust_body_};
     });
 }
 

@@ -10,7 +10,9 @@ namespace {
 constexpr float kGravity = 9.80665F;
 constexpr int kDown = 2;
 
-float finite_or_zero(float x) { return math::is_finite(x) ? x : 0.0F; }
+float finite_or_zero(float x) {
+    return math::is_finite(x) ? x : 0.0F;
+}
 
 // v with its horizontal part at most `limit` long.
 Vector3<float> with_horizontal_limit(const Vector3<float>& v, float limit) {

@@ -37,9 +37,10 @@ struct MotionEstimate {
 //                    + acceleration feed-forward
 //     thrust_N = hover_thrust / g * (acceleration - (0, 0, g))
 //
-// Weight goes before direction: the thrust vector is cut first in height, then in tilt. An axis that
-// was cut integrates only what leads away from its limit. An axis whose setpoint is free, or whose
-// velocity is unknown, keeps its integral and feed-forward alone; the vertical one then sinks.
+// Weight goes before direction: the thrust vector is cut first in height, then in tilt. An axis
+// that was cut integrates only what leads away from its limit. An axis whose setpoint is free, or
+// whose velocity is unknown, keeps its integral and feed-forward alone; the vertical one then
+// sinks.
 class Motion {
   public:
     void set_gains(const MotionGains& gains) { gains_ = gains; }

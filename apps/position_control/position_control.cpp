@@ -54,13 +54,12 @@ void publish_attitude(PositionControlPorts& ports, const Vector3<float>& thrust_
 }  // namespace
 
 void PositionControl::configure(const PositionControlParams& p) {
-    motion_.set_gains(
-        {.position_p = per_axis(p.horizontal_p, p.vertical_p),
-         .velocity_p = per_axis(p.horizontal_velocity_p, p.vertical_velocity_p),
-         .velocity_i = per_axis(p.horizontal_velocity_i, p.vertical_velocity_i),
-         .velocity_d = per_axis(p.horizontal_velocity_d, p.vertical_velocity_d),
-         .derivative_cutoff = math::kTwoPi<float> * p.derivative_cutoff,
-         .integral_limit = p.integral_limit});
+    motion_.set_gains({.position_p = per_axis(p.horizontal_p, p.vertical_p),
+                       .velocity_p = per_axis(p.horizontal_velocity_p, p.vertical_velocity_p),
+                       .velocity_i = per_axis(p.horizontal_velocity_i, p.vertical_velocity_i),
+                       .velocity_d = per_axis(p.horizontal_velocity_d, p.vertical_velocity_d),
+                       .derivative_cutoff = math::kTwoPi<float> * p.derivative_cutoff,
+                       .integral_limit = p.integral_limit});
     motion_.set_limits({.horizontal_speed = p.horizontal_speed_limit,
                         .climb = p.climb_limit,
                         .descent = p.descent_limit,

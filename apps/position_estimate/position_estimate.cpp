@@ -13,33 +13,48 @@ constexpr float kLongestGap = 0.1f;  // s
 // Two positions this far apart give a velocity: millimetres of noise make centimetres per second.
 constexpr uint64_t kAcquisition = 50'000;  // us
 
-Vector vector(const std::array<float, 3>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
+Vector vector(const std::array<float, 3>& xyz) {
+    return {xyz[0], xyz[1], xyz[2]};
+}
 
-float seconds(uint64_t elapsed_us) { return static_cast<float>(elapsed_us) * 1e-6f; }
+float seconds(uint64_t elapsed_us) {
+    return static_cast<float>(elapsed_us) * 1e-6f;
+}
 
 }  // namespace
 
 void PositionEstimate::step(PositionEstimatePorts& ports) {
+    gather(ports);
     const bool is_newer = predict(ports);
-    if (ports.mocap && ports.mocap.is_new() && time_us_ != 0) {
-        measure(*ports.mocap, *ports.params);
-    }
+    if (ports.mocap && time_us_ != 0) measure(*ports.mocap, *ports.params);
     if (!is_newer || measured_us_ == 0) return;
     ports.position.publish([&] { return estimate(*ports.params); });
 }
 
+// Adds up the new samples: all of them, if the graph gives them as a queue.
+void PositionEstimate::gather(PositionEstimatePorts& ports) {
+    while (ports.accel.next()) {
+        const Vector force_B = vector(ports.accel->xyz);
+        if (!math::is_finite(force_B.squaredNorm())) continue;
+        forces_B_ += force_B;
+        force_count_ += 1.0f;
+    }
+}
+
 // True if the estimate's time moved on.
 bool PositionEstimate::predict(const PositionEstimatePorts& ports) {
-    if (!ports.attitude || !ports.accel) return false;
+    if (!ports.attitude || force_count_ == 0.0f) return false;
     const auto& q = ports.attitude->q;
     const math::Quaternion<float> q_NB(q[0], q[1], q[2], q[3]);
-    const Vector acceleration_N =
-        q_NB * vector(ports.accel->xyz) + Vector(0.0f, 0.0f, kGravity);
+    const Vector force_B = forces_B_ * (1.0f / force_count_);
+    const Vector acceleration_N = q_NB * force_B + Vector(0.0f, 0.0f, kGravity);
     const uint64_t time_us = ports.attitude->timestamp_sample;
     if (time_us <= time_us_ || !math::is_finite(acceleration_N.squaredNorm())) return false;
     const float dt = time_us_ == 0 ? 0.0f : seconds(time_us - time_us_);
     time_us_ = time_us;
     heading_ = math::heading(q_NB);
+    forces_B_ = Vector::Zero();
+    force_count_ = 0.0f;
     if (dt > kLongestGap) state_ = State::kLost;
     if (state_ != State::kLost) filter_.predict(acceleration_N, dt);
     return true;
@@ -60,14 +75,15 @@ void PositionEstimate::measure(const VehicleOdometry& seen, const PositionEstima
         begin_acquisition(position, time_us);
         return;
     }
+    if (state_ == State::kAcquiring) {
+        measured_us_ = time_us;
+        if (time_us - acquired_us_ >= kAcquisition) end_acquisition(position, time_us);
+        return;
+    }
     const Vector innovation = position - filter_.position_ago(age);
     if (innovation.squaredNorm() > math::square(params.mocap_gate)) return;
     measured_us_ = time_us;
-    if (state_ == State::kTracking) {
-        filter_.correct(innovation, since, params.bandwidth, params.bias_bandwidth);
-    } else if (time_us - acquired_us_ >= kAcquisition) {
-        end_acquisition(position, time_us);
-    }
+    filter_.correct(innovation, since, params.bandwidth, params.bias_bandwidth);
 }
 
 // Takes a position as it is; the velocity stays what was predicted last.

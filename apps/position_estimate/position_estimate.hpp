@@ -24,6 +24,7 @@ class PositionEstimate {
         kTracking,
     };
 
+    void gather(PositionEstimatePorts& ports);
     bool predict(const PositionEstimatePorts& ports);
     void measure(const VehicleOdometry& seen, const PositionEstimateParams& params);
     void begin_acquisition(const Vector& position, uint64_t time_us);
@@ -38,6 +39,10 @@ class PositionEstimate {
     uint64_t measured_us_ = 0;  // time of the last measurement that was believed
     uint64_t acquired_us_ = 0;  // of the one that acquisition began with
     Vector acquired_ = Vector::Zero();
+    // Since the last prediction: rotors shake the accelerometer faster than the attitude comes, and
+    // one sample of several would turn that into a slow error.
+    Vector forces_B_ = Vector::Zero();
+    float force_count_ = 0.0f;
     float heading_ = 0.0f;
 };
 

@@ -12,10 +12,10 @@ constexpr float kButterworthDamping = 0x1.6a09e6p+0F;  // sqrt(2) = 1/Q
 
 }  // namespace
 
-// Butterworth low pass as a state-variable filter of trapezoidal integrators (Zavalishin: The Art of
-// VA Filter Design, 2018, chapter 4). Its coefficients follow from this step's dt without a tangent
-// or a past dt, it is stable for every dt, and its band-pass output is the wanted derivative over
-// the cutoff.
+// Butterworth low pass as a state-variable filter of trapezoidal integrators (Zavalishin: The Art
+// of VA Filter Design, 2018, chapter 4). Its coefficients follow from this step's dt without a
+// tangent or a past dt, it is stable for every dt, and its band-pass output is the wanted
+// derivative over the cutoff.
 Vector3<float> RatePid::filtered_derivative(const Vector3<float>& rate, float dt) {
     if (!started_) low_ = rate;
     started_ = true;

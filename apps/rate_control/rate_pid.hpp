@@ -16,8 +16,8 @@ struct RateGains {
 
 //     torque = p * error + i * integral of error - d * derivative of the low-passed rate
 //
-// The measured rate, not the error, is differentiated, so that a step of the setpoint does not kick.
-// An axis whose torque is at its limit integrates only what leads away from there.
+// The measured rate, not the error, is differentiated, so that a step of the setpoint does not
+// kick. An axis whose torque is at its limit integrates only what leads away from there.
 class RatePid {
   public:
     void set_gains(const RateGains& gains) { gains_ = gains; }

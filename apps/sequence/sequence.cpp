@@ -24,8 +24,12 @@ constexpr float kTouchdownTime_s = 0.5F;
 // A landing without position may take twice its planned time and this.
 constexpr float kBlindMargin_s = 5.0F;
 
-Vector3<float> up() { return {0.0F, 0.0F, -1.0F}; }
-Vector3<float> down() { return {0.0F, 0.0F, 1.0F}; }
+Vector3<float> up() {
+    return {0.0F, 0.0F, -1.0F};
+}
+Vector3<float> down() {
+    return {0.0F, 0.0F, 1.0F};
+}
 
 bool is_good(const SequencePorts& ports) {
     if (!ports.position) return false;
@@ -36,7 +40,9 @@ bool is_good(const SequencePorts& ports) {
     return is_valid && is_number && !is_old;
 }
 
-std::array<float, 3> array_of(const Vector3<float>& v) { return {v.x(), v.y(), v.z()}; }
+std::array<float, 3> array_of(const Vector3<float>& v) {
+    return {v.x(), v.y(), v.z()};
+}
 
 }  // namespace
 
@@ -57,7 +63,9 @@ void Sequence::take_position(const SequencePorts& ports, float dt) {
     heading_ = p.heading;
 }
 
-bool Sequence::position_is_lost() const { return bad_for_s_ > kPositionLost_s; }
+bool Sequence::position_is_lost() const {
+    return bad_for_s_ > kPositionLost_s;
+}
 
 void Sequence::begin(Phase phase) {
     phase_ = phase;

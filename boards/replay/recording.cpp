@@ -26,11 +26,13 @@ bool refuse(const char* path, const char* why) {
 
 bool Recording::load(const char* path) {
     const std::unique_ptr<std::FILE, Close> file(std::fopen(path, "rb"));
-    if (!file || std::fseek(file.get(), 0, SEEK_END) != 0) return refuse(path, std::strerror(errno));
+    if (!file || std::fseek(file.get(), 0, SEEK_END) != 0)
+        return refuse(path, std::strerror(errno));
     const long bytes = std::ftell(file.get());
     if (bytes < 0) return refuse(path, std::strerror(errno));
     const std::size_t count = static_cast<std::size_t>(bytes) / sizeof(float);
-    if (count == 0 || count % kPlanes != 0 || static_cast<std::size_t>(bytes) % sizeof(float) != 0) {
+    if (count == 0 || count % kPlanes != 0 ||
+        static_cast<std::size_t>(bytes) % sizeof(float) != 0) {
         return refuse(path, "its size is not that of 14 planes of 32-bit numbers");
     }
     values_.resize(count);

@@ -83,6 +83,10 @@ int main(int count, char** arguments) {
     board::Options options;
     std::FILE* truth = nullptr;
     if (!board::parse(count, arguments, options)) return 2;
+    if (options.random_times && !kHasPreemptionPoints) {
+        std::fputs("error: --times random: this build has no preemption points\n", stderr);
+        return 2;
+    }
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
     board::prepare(options.seed, truth);
     print(run(options));

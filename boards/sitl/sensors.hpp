@@ -20,10 +20,10 @@ struct ImuParameters {
     float gyro_noise = 0.00195f;  // rad/s: 0.005 deg/s/sqrt(Hz), PS 6.1
     float accel_noise = 0.0877f;  // m/s^2: 400 ug/sqrt(Hz), PS 6.2
     // Standard deviations of what is left after calibration, drawn once a flight. Gyro: 0.6 deg/s
-    // of its 20 deg/s. Accelerometer: 3 mg, what 6 degC of warming make of a zero point that moves
-    // 35 mg over 0 to 70 degC (PS 6.2).
-    float gyro_bias = 0.01f;   // rad/s
-    float accel_bias = 0.03f;  // m/s^2
+    // of its 20 deg/s. Accelerometer, 2 mg: levelled to 0.1 deg (1.7 mg), then warmed by 2 degC,
+    // where 70 degC move its zero by 35 mg (PS 6.2).
+    float gyro_bias = 0.01f;     // rad/s
+    float accel_bias = 0.0196f;  // m/s^2
     // Vibration when all rotors turn at hover speed; goes with the square of a rotor's speed. In
     // flight records noise is 10 to 50 times the data sheet's; this makes 20 (gyro) and 12 (accel).
     float gyro_shake = 0.03f;       // rad/s, white

@@ -8,7 +8,7 @@ target_compile_options(stator_flags INTERFACE
     -ffp-contract=off -fno-math-errno
     -fno-exceptions -fno-rtti -fno-threadsafe-statics
 )
-target_compile_definitions(stator_flags INTERFACE EIGEN_DONT_VECTORIZE EIGEN_MPL2_ONLY EIGEN_NO_IO)
+target_compile_definitions(stator_flags INTERFACE EIGEN_DONT_VECTORIZE EIGEN_MPL2_ONLY EIGEN_NO_IO EIGEN_NO_DEBUG)
 get_target_property(eigen_folder Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 target_include_directories(stator_flags SYSTEM INTERFACE ${eigen_folder})
 if(STATOR_SANITIZE)
@@ -16,3 +16,15 @@ if(STATOR_SANITIZE)
         -fsanitize=${STATOR_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(stator_flags INTERFACE -fsanitize=${STATOR_SANITIZE})
 endif()
+
+# Eigen's headers take most of a compilation, so they are compiled once. Tests compile without, so
+# that a missing include shows.
+function(stator_precompile_eigen target executor)
+    if(NOT TARGET stator_eigen_${executor})
+        file(WRITE "${CMAKE_BINARY_DIR}/stator_eigen_${executor}.cpp" "")
+        add_library(stator_eigen_${executor} OBJECT "${CMAKE_BINARY_DIR}/stator_eigen_${executor}.cpp")
+        target_link_libraries(stator_eigen_${executor} PRIVATE stator_flags stator_${executor})
+        target_precompile_headers(stator_eigen_${executor} PRIVATE <Eigen/Core> <Eigen/Geometry>)
+    endif()
+    target_precompile_headers(${target} REUSE_FROM stator_eigen_${executor})
+endfunction()

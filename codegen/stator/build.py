@@ -26,22 +26,31 @@ def build(graph: Path, board: str | None, *, compiler: str = "", optimisation: s
     name = f"{plan.graph.name}-{plan.board.name}"
     parts = (compiler, optimisation.strip("-"), "preemption" if preemption_points else "")
     variant = "".join(f"-{part}" for part in parts if part)
-    folder = HOME / "build" / f"{name}{variant}"
-    _one_line(f"building {name}{variant} ...")
     options = [f"-DSTATOR_GRAPH={plan.graph.file}", f"-DSTATOR_BOARD={plan.board.name}",
-               "-DSTATOR_TESTS=OFF", f"-DSTATOR_PYTHON={sys.executable}"]
+               "-DSTATOR_TESTS=OFF"]
     if preemption_points:
         options.append("-DSTATOR_PREEMPTION_POINTS=ON")
     if compiler:
         options.append(f"-DCMAKE_CXX_COMPILER={compiler}")
     if optimisation:
         options.append(f"-DSTATOR_OPTIMIZE={optimisation}")
-    # An unfinished first configuration leaves a folder that CMake would not try again.
-    if not (folder / "build.ninja").is_file():
-        shutil.rmtree(folder, ignore_errors=True)
-        _run(["cmake", "-S", str(HOME), "-B", str(folder), "-G", "Ninja", *options])
-    _run(["cmake", "--build", str(folder), "--target", "graph_program"])
+    _one_line(f"building {name}{variant} ...")
+    folder = HOME / "build" / f"{name}{variant}"
+    configure(folder, options, ["graph_program"])
     return folder / "graph_program"
+
+
+def configure(folder: Path, options: list[str], targets: list[str]) -> None:
+    """Configures a build folder where needed, and builds the targets. Raises `BuildFailed`."""
+    # Written last: another graph of the same name, or an interrupted first configuration, which
+    # leaves a folder that CMake would not try again, begins anew.
+    stamp = folder / "options.txt"
+    text = "\n".join([*options, f"-DSTATOR_PYTHON={sys.executable}"])
+    if not stamp.is_file() or stamp.read_text(encoding="utf-8") != text:
+        shutil.rmtree(folder, ignore_errors=True)
+        _run(["cmake", "-S", str(HOME), "-B", str(folder), "-G", "Ninja", *text.split("\n")])
+        stamp.write_text(text, encoding="utf-8")
+    _run(["cmake", "--build", str(folder), "--target", *targets])
 
 
 def _one_line(text: str) -> None:

@@ -4,64 +4,73 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from stator.diagnostics import Mark, Report, nearest
-from stator.language import DEPTHS
+from stator.check_cycles import check_cycles
+from stator.diagnostics import Mark, Report, beside
+from stator.language import DEPTHS, MOST_LOGGED_BYTES
 from stator.model import Message, Node, NodeOutput, Topic, TopicConfig
-from stator.shapes import Period, Record, quoted
+from stator.shapes import Period, Record, items
 from stator.yaml_tree import Scalar
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from stator.check_nodes import Nodes
+
+_NO_CONFIG = TopicConfig(None, None, False, None)
+Publishers = list[tuple[Node, NodeOutput]]
 
 
-def connect(record: Record, nodes: dict[str, Node], report: Report) -> dict[str, Topic]:
+def connect(record: Record, nodes: Nodes, report: Report) -> dict[str, Topic]:
     """All topics, in the order in which the graph publishes them."""
-    configs = _configs(record, report)
-    _check_loggers(nodes, report)
+    configs = {name: _config(value, record.get("topics").keys[name], report)
+               for name, value in items(record, "topics")}
+    _check_loggers(nodes.good, report)
     modes_of = _modes_of(record)
+    outputs, readers = _outputs(nodes.good), _readers(nodes.good)
     topics: dict[str, Topic] = {}
-    outputs = _outputs(nodes)
+    for name, publishers in outputs.items():
+        config = configs.get(name, _NO_CONFIG)
+        message = publishers[0][1].port.message
+        _check_message(name, publishers, message, report)
+        if not config.many_publishers:
+            _check_publishers(name, publishers, modes_of, report)
+        _check_params_name(name, publishers[0][1].mark, nodes.good, report)
+        topics[name] = Topic(name, message, tuple(node.name for node, _ in publishers),
+                             tuple(readers.get(name, ())), config)
+    _check_inputs(nodes, topics, report)
+    for name, value in items(record, "topics"):
+        topic = topics.get(name)
+        if topic is not None:
+            _check_log_size(topic, value, report)
+        elif name not in readers and not nodes.may_publish(name):
+            report.error(record.get("topics").keys[name], "topic-unused",
+                         f"no node publishes topic '{name}'", report.nearest(name, topics))
+    check_cycles(nodes.good, topics, report)
+    return topics
+
+
+def _outputs(nodes: dict[str, Node]) -> dict[str, Publishers]:
+    outputs: dict[str, Publishers] = {}
+    for node in nodes.values():
+        for output in node.outputs.values():
+            outputs.setdefault(output.topic, []).append((node, output))
+    return outputs
+
+
+def _readers(nodes: dict[str, Node]) -> dict[str, list[tuple[str, str]]]:
     readers: dict[str, list[tuple[str, str]]] = {}
     for node in nodes.values():
         for key, source in node.inputs.items():
             readers.setdefault(source.topic, []).append((node.name, key))
-    for name, publishers in outputs.items():
-        config = configs.get(name, TopicConfig(None, None, False, None))
-        message = publishers[0][1].port.message
-        _check_message(name, publishers, message, report)
-        _check_publishers(name, publishers, config, modes_of, report)
-        _check_params_name(name, publishers[0][1].mark, nodes, report)
-        topics[name] = Topic(name, message, tuple(n for n, _ in publishers),
-                             tuple(readers.get(name, ())), config)
-    _check_inputs(nodes, topics, _outputs_of_rejected(record, nodes), report)
-    touched = set(topics) | _outputs_of_rejected(record, nodes) | {i.topic for node in nodes.values() for i in node.inputs.values()}
-    for name, config in configs.items():
-        if name not in touched and config.mark is not None:
-            report.error(config.mark, "topic-unused", f"no node touches topic '{name}'",
-                         nearest(name, topics))
-    _check_cycles(nodes, topics, report)
-    return topics
+    return readers
 
 
-def _outputs(nodes: dict[str, Node]) -> dict[str, list[tuple[str, NodeOutput]]]:
-    outputs: dict[str, list[tuple[str, NodeOutput]]] = {}
-    for node in nodes.values():
-        for output in node.outputs.values():
-            outputs.setdefault(output.topic, []).append((node.name, output))
-    return outputs
-
-
-def _configs(record: Record, report: Report) -> dict[str, TopicConfig]:
-    table = record.get("topics")
-    configs: dict[str, TopicConfig] = {}
-    for name, value in (table.values if table is not None else {}).items():
-        depth = value.get("depth")
-        if depth is not None and depth.value not in DEPTHS:
-            report.error(depth.mark, "depth-power", f"depth {depth.value} is no power of two",
-                         "write 1, 2, 4, 8 or 16, or leave it out")
-        configs[name] = TopicConfig(_log(value, report), value.value("depth"),
-                                    value.value("publishers") == "many", table.keys[name])
-    return configs
+def _config(value: Record, mark: Mark, report: Report) -> TopicConfig:
+    depth = value.get("depth")
+    if depth is not None and depth.value not in DEPTHS:
+        above = next(power for power in DEPTHS if power > depth.value)
+        report.error(depth.mark, "depth-power", f"depth {depth.value} is no power of two",
+                     f"write {above}, or leave it out: then it follows from the rates")
+    return TopicConfig(_log(value, report), value.value("depth"), value.value("publishers") == "many",
+                       mark if depth is None else depth.mark)
 
 
 def _log(value: Record, report: Report) -> str | int | None:
@@ -72,112 +81,81 @@ def _log(value: Record, report: Report) -> str | int | None:
     return None if period is None else int(period.value)
 
 
-def _check_message(name: str, publishers: list[tuple[str, NodeOutput]], message: Message,
-                   report: Report) -> None:
+def _check_log_size(topic: Topic, value: Record, report: Report) -> None:
+    if topic.config.log in (None, "none") or topic.message.bytes <= MOST_LOGGED_BYTES:
+        return
+    report.error(value.get("log").mark, "log-large", f"{topic.message.name} takes "
+                 f"{topic.message.bytes} bytes, and a block of the log holds {MOST_LOGGED_BYTES}",
+                 "write `log: none`, or split the message")
+
+
+def _check_message(name: str, publishers: Publishers, message: Message, report: Report) -> None:
     for node, output in publishers[1:]:
-        if output.port.message != message:
-            report.error(output.mark, "message-mismatch", f"'{node}' publishes "
-                         f"{output.port.message.name} on '{name}', others {message.name}",
-                         "give it a topic of its own")
+        if output.port.message is not message:
+            first = publishers[0][1].mark
+            report.error(output.mark, "message-mismatch", f"'{node.name}' publishes "
+                         f"{output.port.message.name} on '{name}', and '{publishers[0][0].name}' "
+                         f"publishes {message.name} ({beside(output.mark, first)})",
+                         "give one of them a topic of its own")
 
 
-def _modes_of(record: Record) -> dict[str, set[str]]:
+def _modes_of(record: Record) -> dict[str, frozenset[str]]:
     """Node -> the modes in which it runs; nodes in no set are not in here."""
     result: dict[str, set[str]] = {}
     modes = record.get("modes")
-    sets = modes.get("sets") if modes is not None else None
-    for mode, leaf in (sets.values if sets is not None else {}).items():
+    for mode, leaf in items(modes, "sets") if modes is not None else ():
         for name in leaf.value:
             result.setdefault(name.value, set()).add(mode)
-    return result
+    return {name: frozenset(modes_of) for name, modes_of in result.items()}
 
 
-def _check_publishers(name: str, publishers: list[tuple[str, NodeOutput]], config: TopicConfig,
-                      modes_of: Mapping[str, set[str]], report: Report) -> None:
-    if config.many_publishers:
+def _check_publishers(name: str, publishers: Publishers, modes_of: dict[str, frozenset[str]],
+                      report: Report) -> None:
+    """One at a time: only nodes that no mode runs together may share a topic."""
+    if len(publishers) == 1:
         return
-    for i, (node, output) in enumerate(publishers):
-        for other, first in publishers[:i]:
-            mine, theirs = modes_of.get(node), modes_of.get(other)
-            if mine is not None and theirs is not None and not mine & theirs:
-                continue
-            report.error(output.mark, "publishers", f"'{name}' is published by '{other}' already",
-                         f"line {first.mark.line}; if both are meant, write "
-                         f"`topics: {{{name}: {{publishers: many}}}}`")
-            break
+    in_mode: dict[str, tuple[Node, NodeOutput]] = {}
+    always: tuple[Node, NodeOutput] | None = None
+    for node, output in publishers:
+        modes = modes_of.get(node.name)
+        if modes is None:
+            other = always or next(iter(in_mode.values()), None)
+            always = always or (node, output)
+        else:
+            other = always or next((in_mode[m] for m in sorted(modes) if m in in_mode), None)
+            for mode in modes:
+                in_mode.setdefault(mode, (node, output))
+        if other is not None and output.port.message is other[1].port.message:
+            report.error(output.mark, "publishers", f"'{name}' is published by '{other[0].name}' "
+                         f"already ({beside(output.mark, other[1].mark)})",
+                         f"if both are meant, write `topics: {{{name}: {{publishers: many}}}}`")
 
 
 def _check_params_name(name: str, mark: Mark, nodes: dict[str, Node], report: Report) -> None:
     node = nodes.get(name.removesuffix("_params"))
     if name.endswith("_params") and node is not None and node.interface.params:
         report.error(mark, "reserved-name", f"topic '{name}' carries the parameters of "
-                     f"'{node.name}'", "give it another name")
+                     f"'{node.name}'", "give this one another name")
 
 
-def _outputs_of_rejected(record: Record, nodes: dict[str, Node]) -> set[str]:
-    """Topics of nodes that have errors of their own: one mistake, one error."""
-    topics: set[str] = set()
-    for name, value in record.get("nodes").values.items():
-        outputs = value.get("outputs") if name not in nodes else None
-        if outputs is not None:
-            topics |= {leaf.value for leaf in outputs.values.values()}
-    return topics
-
-
-def _check_inputs(nodes: dict[str, Node], topics: dict[str, Topic], rejected: set[str],
-                  report: Report) -> None:
-    for node in nodes.values():
+def _check_inputs(nodes: Nodes, topics: dict[str, Topic], report: Report) -> None:
+    for node in nodes.good.values():
         for key, source in node.inputs.items():
             topic = topics.get(source.topic)
-            if source.topic in rejected:
-                continue
-            if topic is None:
+            if topic is None and not nodes.may_publish(source.topic):
                 report.error(source.mark, "topic-unpublished",
-                             f"topic {quoted(source.topic)} is read and never published",
-                             nearest(source.topic, topics))
-            elif topic.message != source.port.message:
+                             f"topic '{source.topic}' is read and never published",
+                             report.nearest(source.topic, topics))
+            elif topic is not None and topic.message is not source.port.message:
+                fitting = [t.name for t in topics.values() if t.message is source.port.message]
                 report.error(source.mark, "message-mismatch", f"input '{key}' reads "
                              f"{source.port.message.name}, and '{topic.name}' carries "
-                             f"{topic.message.name}",
-                             nearest(source.topic, [t.name for t in topics.values()
-                                                    if t.message == source.port.message]))
+                             f"{topic.message.name}", report.nearest(source.topic, fitting)
+                             or f"no topic carries {source.port.message.name}")
 
 
 def _check_loggers(nodes: dict[str, Node], report: Report) -> None:
     loggers = [node for node in nodes.values() if node.interface.reads_log]
     for node in loggers[1:]:
-        report.error(node.mark, "log-many", f"'{loggers[0].name}' is a logger already",
-                     "keep one of them")
-
-
-def _check_cycles(nodes: dict[str, Node], topics: dict[str, Topic], report: Report) -> None:
-    """Topic triggers must not lead back: the nodes would activate each other for ever."""
-    done: set[str] = set()
-    for start in nodes:
-        if start in done:
-            continue
-        path = {start: iter(_woken_by(start, nodes, topics))}  # in order of insertion
-        while path:
-            name = next(reversed(path))
-            following = next(path[name], None)
-            if following is None:
-                del path[name]
-                done.add(name)
-            elif following in path:
-                names = list(path)
-                cycle = [*names[names.index(following) :], following]
-                report.error(nodes[following].mark, "trigger-cycle", "these nodes trigger each "
-                             f"other for ever: {' -> '.join(cycle)}",
-                             "trigger one of them by a period, and read the topic as latest")
-            elif following not in done:
-                path[following] = iter(_woken_by(following, nodes, topics))
-
-
-def _woken_by(name: str, nodes: dict[str, Node], topics: dict[str, Topic]) -> list[str]:
-    woken = []
-    for output in nodes[name].outputs.values():
-        topic = topics.get(output.topic)
-        for reader, _ in topic.readers if topic is not None else ():
-            if nodes[reader].trigger_of(output.topic) is not None:
-                woken.append(reader)
-    return woken
+        report.error(node.mark, "log-many", f"'{loggers[0].name}' is a logger already "
+                     f"({beside(node.mark, loggers[0].mark)})", "keep one of them")

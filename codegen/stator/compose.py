@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from stator import language, yaml_tree
-from stator.diagnostics import Mark, Report, beside
+from stator.diagnostics import MOST_BYTES, Mark, Report, beside
 from stator.prefix import prefixed
 from stator.shapes import VARIABLE, Listing, Record, misshaped
 from stator.yaml_tree import Mapping, Scalar, Sequence, Tree
@@ -65,7 +66,10 @@ class Composer:
         leaf = record.get("file")
         if leaf is None:
             return None
-        file = Path(os.path.realpath(path.parent / leaf.value))
+        # Beside the including file first, then among Stator's own graphs.
+        beside_it, own = (Path(os.path.realpath(folder / leaf.value))
+                          for folder in (path.parent, self.roots[-1]))
+        file = beside_it if beside_it.is_file() or not own.is_file() else own
         if not any(file.is_relative_to(root) for root in self.roots):
             self.report.error(leaf.mark, "include-path",
                               f"'{leaf.value}' lies outside the graph's folder",
@@ -76,7 +80,9 @@ class Composer:
                               self.report.nearest(leaf.value, _files_near(file, path.parent)))
             return None
         if file in above:
-            self.report.error(leaf.mark, "include-cycle", f"'{leaf.value}' includes itself",
+            names = [step.name for step in (*above[above.index(file) :], file)]
+            self.report.error(leaf.mark, "include-cycle", f"'{leaf.value}' includes itself: "
+                              + " -> ".join(names if len(names) < 8 else [*names[:6], "...", names[-1]]),
                               "remove one of the includes on the way round")
             return None
         self._includes += 1
@@ -84,9 +90,9 @@ class Composer:
             self.report.error(leaf.mark, "include-many", f"more than {MOST_INCLUDES} includes",
                               "each include counts, also of one file several times")
             return None
-        if self._bytes > yaml_tree.MOST_BYTES:
+        if self._bytes > MOST_BYTES:
             self.report.error(leaf.mark, "file-too-large", "the files included before this one have "
-                              f"more than {yaml_tree.MOST_BYTES} bytes", "include fewer or smaller ones")
+                              f"more than {MOST_BYTES} bytes", "include fewer or smaller ones")
             return None
         part = self.compose(file, above)
         if part is None:
@@ -99,6 +105,7 @@ class Composer:
         given = record.get("with")
         values: dict[str, Scalar] = given.values if given is not None else {}
         used: set[str] = set()
+        unknown: set[str] = set()
 
         def replace(tree: Tree) -> Tree:
             if isinstance(tree, Mapping):
@@ -113,6 +120,7 @@ class Composer:
             if name in values:
                 used.add(name)
                 return values[name]
+            unknown.add(name)
             if given is None or name not in given.keys:
                 known = self.report.nearest(name, values)
                 self.report.error(tree.mark, "variable-unknown", f"{tree.text[:60]} has no value",
@@ -124,7 +132,7 @@ class Composer:
         result = replace(part)
         assert isinstance(result, Mapping)
         for name in values:
-            if name not in used:
+            if name not in used and not get_close_matches(name, unknown):
                 mark = given.keys[name] if given is not None else record.mark
                 self.report.error(mark, "variable-unused",
                                   f"nothing in the included file is ${{{name}}}",
@@ -177,7 +185,8 @@ def _files_near(file: Path, folder: Path) -> list[str]:
 
 def _without(tree: Mapping, key: str) -> Mapping:
     entries = {k: v for k, v in tree.entries.items() if k != key}
-    return Mapping(entries, tree.mark, tree.keys, tree.owner)
+    keys = {k: v for k, v in tree.keys.items() if k != key}
+    return Mapping(entries, tree.mark, keys, tree.owner)
 
 
 def _override(base: Mapping, own: Mapping, path: tuple[str, ...]) -> Mapping:
@@ -185,7 +194,7 @@ def _override(base: Mapping, own: Mapping, path: tuple[str, ...]) -> Mapping:
     for key, item in own.entries.items():
         old = entries.get(key)
         if isinstance(item, Scalar) and item.is_null and old is not None:
-            del entries[key]
+            del entries[key], keys[key]
             continue
         if isinstance(old, Scalar) and isinstance(item, Mapping) and _is_input(path):
             # `gyro: sensor_gyro` is short for `gyro: {topic: sensor_gyro}`.

@@ -15,8 +15,10 @@ from stator.rules import RULES
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+MOST_BYTES = 16 * 1024 * 1024  # of one file
 # A longer source line is shown in part, around the caret.
 MOST_COLUMNS = 160
+MOST_CHARACTERS = 400  # of a message or a hint
 # Names that are compared for hints, over all errors of one run: a file of nothing but mistakes must
 # not take minutes.
 MOST_COMPARED = 200_000
@@ -77,7 +79,8 @@ class Report:
 
     def error(self, mark: Mark, rule: str, message: str, hint: str = "") -> None:
         assert rule in RULES, f"rule '{rule}' is not listed in rules.py"
-        self._errors.setdefault((mark, rule, message), Error(mark, rule, message, hint))
+        error = Error(mark, rule, _one_line(message), _one_line(hint))
+        self._errors.setdefault((mark, rule, error.message), error)
 
     def nearest(self, name: str, names: Iterable[str]) -> str:
         """A hint that names what the user may have meant."""
@@ -85,13 +88,19 @@ class Report:
         self._compared += len(known)
         return nearest(name, known) if self._compared <= MOST_COMPARED else ""
 
-    def __bool__(self) -> bool:
-        return bool(self._errors)
+    def __len__(self) -> int:
+        return len(self._errors)
 
     def stop_on_errors(self) -> None:
         """Ends the compilation here if anything was wrong so far."""
         if self._errors:
             raise Failed([self._errors[key] for key in sorted(self._errors)])
+
+
+def _one_line(text: str) -> str:
+    """Messages quote what users wrote, which may hold anything and be long."""
+    shown = text if text.isprintable() else "".join(c if c.isprintable() else "?" for c in text)
+    return shown if len(shown) <= MOST_CHARACTERS else shown[:MOST_CHARACTERS] + "..."
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
@@ -124,6 +133,8 @@ def source_line(mark: Mark) -> tuple[str, int]:
     """The line (or the part of it around the mark), and how many characters stand before the mark."""
     try:
         state = os.stat(mark.file)
+        if state.st_size > MOST_BYTES:
+            return "", 0
         lines = _lines(mark.file, state.st_mtime_ns, state.st_size)
     except (OSError, ValueError):
         return "", 0

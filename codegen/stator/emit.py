@@ -30,7 +30,7 @@ def emit(plan: Plan) -> dict[str, str]:
     files: dict[str, str] = {}
     for message in rows.messages(plan):
         files[f"messages/{message.header}.hpp"] = _render(
-            "message.hpp.j2", message.mark, message=message, fields=rows.fields(message))
+            "message.hpp.j2", message.mark, message=message, fields=rows.fields(message, rows.defaults(plan, message)))
     for interface in rows.interfaces(plan):
         files[f"{interface.name}_ports.hpp"] = _render(
             "ports.hpp.j2", _start(interface.file), interface=interface,

@@ -41,7 +41,8 @@ def interfaces(plan: Plan) -> list[Interface]:
     return [found[name] for name in sorted(found)]
 
 
-def fields(message: Message) -> list[Row]:
+def fields(message: Message, defaults: dict[str, str]) -> list[Row]:
+    """`defaults`: literals of the fields that do not start at zero."""
     offset = 0
     result = []
     for field in message.fields:
@@ -49,12 +50,21 @@ def fields(message: Message) -> list[Row]:
             "name": field.name,
             "type": _cpp_type(field),
             "comment": _comment(field),
+            "default": defaults.get(field.name, ""),
             "enum": upper_camel(field.name) if field.values else "",
             "values": [{"name": "k" + upper_camel(k), "value": v} for k, v in field.values],
             "offset": offset,
         })
         offset += field.bytes
     return result
+
+
+def defaults(plan: Plan, message: Message) -> dict[str, str]:
+    """Parameters start at their interface's defaults."""
+    for interface in interfaces(plan):
+        if interface.params_message == message:
+            return {p.name: literal(p.default) for p in interface.params.values()}
+    return {}
 
 
 def _cpp_type(field: Field) -> str:

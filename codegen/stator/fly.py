@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import hashlib
 import json
@@ -16,12 +17,12 @@ from stator.diagnostics import shown_path
 from stator.library import HOME
 
 if TYPE_CHECKING:
-    import argparse
     from collections.abc import Iterator
 
     from stator.flight import Judgement
 
 MOST_SEED = 2**64 - 1
+MOST_DURATION_S = 1e6
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,17 +51,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _seed(text: str) -> int:
-    value = int(text)
-    if not 0 <= value <= MOST_SEED:
-        raise ValueError
-    return value
+    if text.isascii() and text.isdigit() and int(text) <= MOST_SEED:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is no whole number from 0 to {MOST_SEED}")
 
 
 def _duration(text: str) -> float:
-    value = float(text)
-    if not 0.0 < value <= 1e6:
-        raise ValueError
-    return value
+    with contextlib.suppress(ValueError):
+        if 0.0 < float(text) <= MOST_DURATION_S:
+            return float(text)
+    most = f"{MOST_DURATION_S:.0f}"
+    raise argparse.ArgumentTypeError(f"'{text}' is no number of seconds above 0, at most {most}")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -68,7 +69,9 @@ def main(arguments: argparse.Namespace) -> int:
     log = arguments.output or _default_log(arguments.graph, arguments.seed)
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     try:
-        program = build(arguments.graph, arguments.board)
+        program = build(
+            arguments.graph, arguments.board, preemption_points=arguments.times == "random"
+        )
     except BuildFailed as failed:
         print(failed, file=sys.stderr)
         return 2
@@ -150,6 +153,8 @@ def _judged(log: Path, truth: Path, run: dict[str, object]) -> dict[str, object]
 
     from stator.flight import UnreadableFlight, judge, read_flight, read_truth
 
+    if log.stat().st_size == 0:
+        return {"reason": "the log is empty, so the flight cannot be judged"}
     try:
         judgement = judge(read_flight(ULog(str(log)), read_truth(truth), run))
     except UnreadableFlight as unreadable:
@@ -226,12 +231,9 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         counts = f"{facts['activations']:,} activations, {facts['lost_samples']} samples lost"
         rows.append(("run", f"{speed}; {counts}"))
     log = Path(str(facts["log"]))
-    shown = shown_path(log)
-    rows.append(("log", f"{shown} ({log.stat().st_size / 1e6:.1f} MB)"))
-    if facts["success"]:
-        rows.append(
-            ("next", "PlotJuggler opens the log; ./stator fly --seed 2 flies in other noise")
-        )
-    else:
-        rows.append(("next", "PlotJuggler opens the log; the same command flies the same flight"))
+    rows.append(("log", f"{shown_path(log)} ({log.stat().st_size / 1e6:.1f} MB)"))
+    look = "PlotJuggler opens the log"
+    other = f"./stator fly --seed {int(str(facts['seed'])) + 1} flies with other noise"
+    again = "the same command flies the same flight again"
+    rows.append(("next", f"{look}; {other if facts['success'] else again}"))
     return rows

@@ -45,7 +45,7 @@ _LATER = "graphs over several machines come in a later version"
 
 INCLUDE = Struct(
     {
-        "file": Key(RELATIVE_PATH, "The file to include, relative to this one.", required=True),
+        "file": Key(RELATIVE_PATH, "The file to include, relative to this one, or one of Stator's own graphs.", required=True),
         "with": Key(Table(Raw(may_be_variable=True), "a variable"), "Values for its ${variables}."),
         "prefix": Key(PREFIX, "Put in front of its node names and the topics it publishes."),
     }
@@ -190,11 +190,12 @@ INTERFACE = Struct(
 PIN = "P[A-K](1[0-5]|[0-9])"
 DEVICE = Struct(
     {
-        "driver": Key(Text("none|[a-z][a-z0-9_]{0,40}/[a-z][a-z0-9_]{0,40}", "a driver such as imu/mpu6000, or none"),
+        "driver": Key(Text("none|[a-z][a-z0-9_]{0,40}/[a-z][a-z0-9_]{0,40}", "a driver",
+                           hint="write CLASS/PART as in the folder drivers/, or none"),
                       "The driver's folder below drivers/, or none.", required=True),
         "class": Key(Name("a device class"), "The device class, where driver is none."),
         "bus": Key(Name("a bus"), "The bus it is on."),
-        "pins": Key(Table(Text(PIN, "a pin such as PC2"), "a pin"), "Its pins."),
+        "pins": Key(Table(Text(PIN, "a pin", hint="write port and number, such as PC2"), "a pin"), "Its pins."),
         "lines": Key(Table(Text("[A-Za-z0-9_]{1,40}", "a pin or a peripheral"), "a line"),
                      "The pin or peripheral of each line."),
     }

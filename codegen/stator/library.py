@@ -72,6 +72,12 @@ class Library:
         result: dict[str, Path] = self._once("folders", top + pattern, find)
         return result
 
+    def chips(self, board: Path) -> dict[str, Path]:
+        """Those that this board may name, by their path below boards/."""
+        folder = board.parents[1]
+        found = sorted(path for path in folder.glob("*/*.yaml") if path.name != "board.yaml")
+        return {str(path.relative_to(folder).with_suffix("")): path for path in found}
+
     def read(self, path: Path, shape: Shape) -> Record | None:
         """A file in the given shape; None after saying what is wrong with it."""
         self.files.append(path)
@@ -118,10 +124,10 @@ class Library:
             "class", name, lambda: read_interface(self, name, path, is_app=False))
         return found
 
-    def board(self, name: str, mark: Mark) -> Board | None:
+    def board(self, name: str, mark: Mark, note: str = "") -> Board | None:
         path = self.boards().get(name)
         if path is None:
-            self.report.error(mark, "board-unknown", f"there is no board '{name}'",
+            self.report.error(mark, "board-unknown", f"there is no board '{name}'{note}",
                               self.report.nearest(name, self.boards()))
             return None
         found: Board | None = self._once("board", name, lambda: read_board(self, name, path))

@@ -10,9 +10,10 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from stator.diagnostics import Mark, Report
-from stator.language import DEPTHS, MOST_LEVELS, MOST_SLOTS
+from stator.language import DEPTHS, MOST_LEVELS, MOST_LOGGED_BYTES, MOST_SLOTS
 from stator.model import Message, TopicConfig
 from stator.model import Topic as GraphTopic
+from stator.quantities import shown
 
 if TYPE_CHECKING:
     from stator.model import Board, Graph, Node
@@ -84,6 +85,7 @@ class Rates:
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
         self._periods: dict[str, Fraction | None] = {}
+        self._of_topics: dict[str, Fraction | None] = {}
         for name in _publishers_first(graph):
             self._periods[name] = self._of_node(graph.nodes[name])
 
@@ -93,8 +95,10 @@ class Rates:
 
     def topic(self, name: str) -> Fraction | None:
         """Mean time between publications, one for each activation of a publisher."""
-        topic = self.graph.topics[name]
-        return _sum_of_rates([self._periods.get(node) for node in topic.publishers])
+        if name not in self._of_topics:
+            topic = self.graph.topics[name]
+            self._of_topics[name] = _sum_of_rates([self._periods.get(n) for n in topic.publishers])
+        return self._of_topics[name]
 
     def _of_node(self, node: Node) -> Fraction | None:
         periods: list[Fraction | None] = []
@@ -122,18 +126,24 @@ def _sum_of_rates(periods: list[Fraction | None]) -> Fraction | None:
 
 def _publishers_first(graph: Graph) -> list[str]:
     """Nodes such that whoever triggers a node by a topic stands before it (there is no cycle)."""
-    waits = {node.name: {p for t in node.triggers if t.kind == "topic"
-                         for p in graph.topics[t.name].publishers} for node in graph.nodes.values()}
-    wakes: dict[str, list[str]] = {name: [] for name in waits}
-    for name, sources in waits.items():
-        for source in sources:
-            wakes[source].append(name)
-    ready = [name for name, sources in waits.items() if not sources]
+    unknown = {name: len(topic.publishers) for name, topic in graph.topics.items()}
+    waits: dict[str, int] = {}
+    woken: dict[str, list[str]] = {name: [] for name in graph.topics}
+    for node in graph.nodes.values():
+        sources = [t.name for t in node.triggers if t.kind == "topic"]
+        waits[node.name] = len(sources)
+        for topic in sources:
+            woken[topic].append(node.name)
+    ready = [name for name, count in waits.items() if not count]
     for name in ready:
-        for woken in wakes[name]:
-            waits[woken].discard(name)
-            if not waits[woken]:
-                ready.append(woken)
+        for output in graph.nodes[name].outputs.values():
+            unknown[output.topic] -= 1
+            if unknown[output.topic]:
+                continue
+            for reader in woken[output.topic]:
+                waits[reader] -= 1
+                if not waits[reader]:
+                    ready.append(reader)
     return ready
 
 
@@ -143,32 +153,38 @@ def _publishers_first(graph: Graph) -> list[str]:
 def _levels(graph: Graph, rates: Rates, report: Report) -> dict[str, int]:
     nodes = graph.nodes.values()
     given = {node.name: node.priority for node in nodes if node.priority is not None}
-    if len(given) == len(graph.nodes):
-        return given
     if given:
-        for node in nodes:
-            if node.priority is None:
-                report.error(node.mark, "priority-some",
-                             f"'{node.name}' has no priority, and other nodes have",
-                             "give one to all nodes or to none")
-        return given
+        return given  # for all, as the check has seen to
     deadlines: dict[str, Fraction] = {}
     for node in nodes:
         deadline = Fraction(node.deadline_us) if node.deadline_us else rates.node(node.name)
         if deadline is None:
-            report.error(node.mark, "deadline-unknown", f"'{node.name}' has neither deadline nor "
-                         "known period to derive its priority from",
-                         "add `deadline:`, or `min_interarrival:` to the irq behind it")
+            report.error(node.mark, "deadline-unknown", f"'{node.name}' has neither a deadline nor a "
+                         "known period to derive its priority from", f"add `deadline:`{_or_irq(node)}")
         else:
             deadlines[node.name] = deadline
     distinct = sorted(set(deadlines.values()), reverse=True)
     if len(distinct) > MOST_LEVELS:
-        least = min(zip(distinct, distinct[1:]), key=lambda pair: pair[0] / pair[1])
-        report.error(Mark(graph.file, 1, 1), "priority-levels", f"{len(distinct)} distinct deadlines "
-                     f"need as many levels, and there are {MOST_LEVELS}",
-                     f"give some nodes the same deadline; closest: {float(least[1]):g} us and "
-                     f"{float(least[0]):g} us")
-    return {name: distinct.index(deadline) + 1 for name, deadline in deadlines.items()}
+        _refuse_levels(graph, deadlines, distinct, report)
+    level_of = {deadline: i + 1 for i, deadline in enumerate(distinct)}
+    return {name: level_of[deadline] for name, deadline in deadlines.items()}
+
+
+def _or_irq(node: Node) -> str:
+    if any(t.kind == "irq" for t in node.triggers):
+        return ", or `min_interarrival:` to its irq"
+    return ", or `min_interarrival:` to the irq that starts its samples on their way"
+
+
+def _refuse_levels(graph: Graph, deadlines: dict[str, Fraction], distinct: list[Fraction],
+                   report: Report) -> None:
+    long, short = min(zip(distinct, distinct[1:], strict=False), key=lambda pair: pair[0] / pair[1])
+    first, second = (next(n for n, deadline in deadlines.items() if deadline == wanted)
+                     for wanted in (short, long))
+    report.error(graph.nodes[second].mark, "priority-levels", f"{len(distinct)} different deadlines "
+                 f"need as many levels, and there are {MOST_LEVELS}",
+                 f"give some nodes the same deadline; closest are '{first}' with {shown(short)} us and "
+                 f"'{second}' with {shown(long)} us")
 
 
 def _order(graph: Graph, board: Board, levels: dict[str, int], report: Report) -> tuple[Task, ...]:
@@ -196,6 +212,7 @@ def _vectors(graph: Graph, board: Board, report: Report) -> dict[str, int]:
     taken = {known[name] for name in (*lines, *board.reserved_vectors) if name in known}
     spare = [number for number in sorted(known.values()) if number not in taken]
     vectors: dict[str, int] = {}
+    short, last = 0, None
     for node in graph.nodes.values():
         only = node.triggers[0]
         if len(node.triggers) == 1 and only.kind == "irq" and node.device is not None:
@@ -206,9 +223,13 @@ def _vectors(graph: Graph, board: Board, report: Report) -> dict[str, int]:
         if spare:
             vectors[node.name] = spare.pop(0)
         else:
-            report.error(node.mark, "vectors-few", f"no spare vector is left for '{node.name}': "
-                         f"{board.name} has {len(known) - len(taken)}",
-                         "join nodes, or free vectors of devices that are not used")
+            short += 1
+            last = node
+    if last is not None:
+        count = len(known) - len(taken)
+        report.error(last.mark, "vectors-few", f"the nodes need {count + short} spare vectors, and "
+                     f"{board.name} has {count}",
+                     "join nodes, or free vectors of devices that are not used")
     return vectors
 
 
@@ -256,9 +277,10 @@ def _topic(graph: Graph, topic: GraphTopic, levels: dict[str, int], rates: Rates
         reading.append(levels[logger.name])
     slots = slots_needed(topic, levels, reading, depth)
     if slots > MOST_SLOTS:
-        report.error(graph.nodes[topic.publishers[0]].mark, "slots-many", f"topic '{topic.name}' "
+        mark = topic.config.mark or _output_mark(topic, graph)
+        report.error(mark, "slots-many", f"topic '{topic.name}' "
                      f"needs {slots} slots, and {MOST_SLOTS} are the most",
-                     f"give it a smaller depth (now {depth}) or fewer reading levels")
+                     f"give it a smaller depth (now {depth}), or its readers and publishers fewer levels")
     kept_by = tuple(n for n in topic.publishers if any(level > levels[n] for level in reading))
     ceiling = top if len(publishing) > 1 else 0
     return TopicPlan(topic.name, topic.message, topic.publishers, topic.readers, "", depth, slots,
@@ -281,7 +303,7 @@ def slots_needed(topic: GraphTopic, levels: dict[str, int], reading: list[int], 
 def _log(graph: Graph, topic: GraphTopic, period: Fraction | None, logger: Node | None) -> int | None:
     config: TopicConfig = topic.config
     own = logger is not None and logger.name in topic.publishers
-    if logger is None or own or config.log == "none":
+    if logger is None or own or config.log == "none" or topic.message.bytes > MOST_LOGGED_BYTES:
         return None
     if config.log == "all":
         return 0
@@ -294,34 +316,33 @@ def _log(graph: Graph, topic: GraphTopic, period: Fraction | None, logger: Node 
 def _depth(topic: GraphTopic, queue_readers: list[str], rates: Rates, report: Report) -> int:
     """The smallest depth that holds what is published between two activations of each reader."""
     config = topic.config
-    needed = 1
+    mark = config.mark or _output_mark(topic, rates.graph)
+    needed, slowest = 1, ""
     for name in queue_readers:
         published, read = rates.topic(topic.name), rates.node(name)
-        if published is None or read is None:
-            if config.depth is None:
-                unknown = topic.publishers[0] if published is None else name
-                mark = config.mark or rates_mark(rates, unknown)
-                report.error(mark, "depth-rate-unknown", f"'{name}' reads every sample of "
-                             f"'{topic.name}', and the rate of '{unknown}' is not known",
-                             "give the irq behind it `min_interarrival:`, or the topic `depth:`")
-            continue
-        # One more for the phase, as neither releases at an agreed time.
-        needed = max(needed, -(-read // published) + 1)
-    if config.depth is not None:
-        if config.depth < needed and config.mark is not None:
-            report.error(config.mark, "depth-small", f"depth {config.depth} of '{topic.name}' is too "
-                         f"small: {needed} samples come between two activations of its readers",
-                         "leave the depth out, or activate the readers more often")
-        return config.depth
-    fitting = [depth for depth in DEPTHS if depth >= needed]
-    if not fitting:
-        mark = config.mark or rates_mark(rates, topic.publishers[0])
-        report.error(mark, "depth-small", f"'{topic.name}' would need a depth of {needed}, and "
-                     f"{DEPTHS[-1]} is the most", f"activate {', '.join(queue_readers)} more often, "
-                     f"or log the topic at a rate")
-        return DEPTHS[-1]
-    return fitting[0]
+        if published is not None and read is not None:
+            # One more for the phase, as neither releases at an agreed time.
+            count = -(-read // published) + 1
+            needed, slowest = max((needed, slowest), (count, name))
+        elif config.depth is None:
+            unknown = topic.publishers[0] if published is None else name
+            report.error(mark, "depth-rate-unknown", f"'{name}' reads every sample of '{topic.name}', "
+                         f"and how often '{unknown}' runs is not known", "add `min_interarrival:` to "
+                         f"the irq behind it, or `topics: {{{topic.name}: {{depth: 4}}}}`")
+            break
+    fitting = next((depth for depth in DEPTHS if depth >= needed), None)
+    if fitting is None:
+        report.error(mark, "depth-small", f"'{topic.name}' would need a depth of {needed} for "
+                     f"'{slowest}', and {DEPTHS[-1]} is the most", f"activate '{slowest}' more often, "
+                     "or let it read the latest sample only")
+    elif config.depth is not None and config.depth < needed:
+        report.error(mark, "depth-small", f"depth {config.depth} of '{topic.name}' is too small: "
+                     f"{needed} samples can come between two activations of '{slowest}'",
+                     f"write {fitting}, or leave it out")
+    return config.depth or fitting or DEPTHS[-1]
 
 
-def rates_mark(rates: Rates, node: str) -> Mark:
-    return rates.graph.nodes[node].mark
+def _output_mark(topic: GraphTopic, graph: Graph) -> Mark:
+    """Where the topic gets its first publisher."""
+    outputs = graph.nodes[topic.publishers[0]].outputs.values()
+    return next(output.mark for output in outputs if output.topic == topic.name)

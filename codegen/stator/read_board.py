@@ -86,10 +86,11 @@ def _check_vector(chip: Chip, leaf: Leaf, report: Report) -> None:
 
 
 def _chip(library: Library, name: str, mark: Mark, board: Path) -> Chip | None:
-    path = board.parents[1] / f"{name}.yaml"
-    if not path.is_file():
+    path = library.chips(board).get(name)
+    if path is None:
         library.report.error(mark, "file-missing", f"there is no chip file 'boards/{name}.yaml'",
-                             "for example stm32f4/stm32f427")
+                             library.report.nearest(name, library.chips(board))
+                             or "write it, beside the board")
         return None
     record = library.read(path, language.CHIP)
     if record is None:

@@ -28,10 +28,14 @@ def read_interface(library: Library, name: str, path: Path, *, is_app: bool) -> 
     if is_app and "lines" in record.keys:
         report.error(record.keys["lines"], "irq-needs-device", "only a device class has lines",
                      "remove the key; a driver in drivers/ does input and output")
+    count = len(report)
     inputs, outputs = _ports(library, record, "inputs"), _ports(library, record, "outputs")
     _check_names(record, outputs, report)
     params = {key: param for key, value in items(record, "params")
               if (param := _param(key, value, report)) is not None}
+    if len(report) > count or any(key in record.keys and record.get(key) is None
+                                  for key in ("lines", "inputs", "outputs", "params")):
+        return None  # what it has is not known, and it has been said why
     return Interface(
         name=name,
         file=path,

@@ -46,7 +46,8 @@ def _fits_type(param: Param, number: Fraction, item: Scalar, report: Report) -> 
         if number.denominator == 1 and abs(number) < 2**31:
             return True
         report.error(item.mark, "wrong-type", f"'{param.name}' is a whole number of 32 bits, not "
-                     f"{quoted(item.text)}", "write one between -2147483647 and 2147483647")
+                     f"{quoted(item.text)}", f"write one from {shown(param.least or Fraction(-(2**31) + 1))} "
+                     f"to {shown(param.most or Fraction(2**31 - 1))}")
         return False
     if number == 0 or _LEAST_FLOAT <= abs(number) <= _MOST_FLOAT:
         return True

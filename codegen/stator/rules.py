@@ -91,5 +91,5 @@ RULES = {
     "mode-repeat": "a node twice in one mode",
     "chain-node": "a chain names a node that is not in the graph",
     "chain-link": "two nodes of a chain share no topic",
-    "budget-node": "a budget for a node that is not in the graph",
+    "budget-node": "a budget for a node that the graph does not have, but nearly",
 }

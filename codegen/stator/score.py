@@ -33,7 +33,7 @@ Array = npt.NDArray[np.float64]
 ENU_FROM_NED = np.array([0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0])
 
 
-class CannotScore(Exception):
+class RecordingError(Exception):
     """What is wrong with the recordings, and what to do about it."""
 
     def __init__(self, problem: str, hint: str) -> None:
@@ -50,8 +50,11 @@ class Score:
     inclination_deg: float
 
     def figures(self) -> dict[str, float]:
-        return {"total_deg": self.total_deg, "heading_deg": self.heading_deg,
-                "inclination_deg": self.inclination_deg}
+        return {
+            "total_deg": self.total_deg,
+            "heading_deg": self.heading_deg,
+            "inclination_deg": self.inclination_deg,
+        }
 
 
 def mean_of(name: str, scores: Iterable[Score]) -> Score:
@@ -65,18 +68,25 @@ def mean_of(name: str, scores: Iterable[Score]) -> Score:
 def product(a: Array, b: Array) -> Array:
     w, x, y, z = np.moveaxis(a, -1, 0)
     s, i, j, k = np.moveaxis(b, -1, 0)
-    return np.stack([w * s - x * i - y * j - z * k, w * i + x * s + y * k - z * j,
-                     w * j - x * k + y * s + z * i, w * k + x * j - y * i + z * s], axis=-1)
+    rows = (
+        w * s - x * i - y * j - z * k,
+        w * i + x * s + y * k - z * j,
+        w * j - x * k + y * s + z * i,
+        w * k + x * j - y * i + z * s,
+    )
+    return np.stack(rows, axis=-1)
 
 
 def conjugate(q: Array) -> Array:
-    return q * np.array([1.0, -1.0, -1.0, -1.0])
+    result: Array = q * np.array([1.0, -1.0, -1.0, -1.0])
+    return result
 
 
 def rmse(name: str, truth: Array, estimate: Array, moving: npt.NDArray[np.bool_]) -> Score:
-    """Scores attitudes against the truth, both sensor to the same earth frame with z vertical, where
-    the sensor moves and there is truth. The error's heading is its turn about the vertical, its
-    inclination the smallest turn that is left (Laidig, Caruso, Cereatti, Seel, Data 6(7), 2021)."""
+    """Scores attitudes against the truth, both sensor to the same earth frame with z vertical,
+    where the sensor moves and there is truth. The error's heading is its turn about the vertical,
+    its inclination the smallest turn that is left (Laidig, Caruso, Cereatti, Seel, Data 6(7),
+    2021)."""
     counted = moving & np.isfinite(truth).all(axis=1)
     error = product(truth[counted], conjugate(estimate[counted]))
     error /= np.linalg.norm(error, axis=1, keepdims=True)
@@ -84,8 +94,10 @@ def rmse(name: str, truth: Array, estimate: Array, moving: npt.NDArray[np.bool_]
     total = 2 * np.arccos(np.minimum(w, 1.0))
     heading = 2 * np.arctan2(z, w)
     inclination = 2 * np.arccos(np.minimum(np.hypot(w, z), 1.0))
-    return Score(name, *(float(np.degrees(np.sqrt(np.mean(angle**2))))
-                         for angle in (total, heading, inclination)))
+    return Score(
+        name,
+        *(float(np.degrees(np.sqrt(np.mean(angle**2)))) for angle in (total, heading, inclination)),
+    )
 
 
 # --- recordings ---
@@ -93,10 +105,12 @@ def rmse(name: str, truth: Array, estimate: Array, moving: npt.NDArray[np.bool_]
 
 def recordings_in(folder: Path) -> list[Path]:
     if not folder.is_dir():
-        raise CannotScore(f"there is no folder '{folder}'", f"name one with *{SUFFIX} recordings")
+        raise RecordingError(
+            f"there is no folder '{folder}'", f"name one with *{SUFFIX} recordings"
+        )
     found = sorted(folder.glob(f"*{SUFFIX}"))
     if not found:
-        raise CannotScore(f"no recordings in '{folder}'", f"their names end in {SUFFIX}")
+        raise RecordingError(f"no recordings in '{folder}'", f"their names end in {SUFFIX}")
     return found
 
 
@@ -104,23 +118,27 @@ def unpack(path: Path) -> bytes:
     try:
         data = gzip.decompress(path.read_bytes())
     except EOFError:
-        raise CannotScore(f"'{path}' ends too early", "fetch the file again") from None
+        raise RecordingError(f"'{path}' ends too early", "fetch the file again") from None
     except (gzip.BadGzipFile, zlib.error) as error:
-        raise CannotScore(f"'{path}' is no sound gzip file ({error})",
-                          "fetch the file again") from None
+        raise RecordingError(
+            f"'{path}' is no sound gzip file ({error})", "fetch the file again"
+        ) from None
     except OSError as error:
-        raise CannotScore(f"cannot read '{path}' ({error.strerror})",
-                          "make it a readable file") from None
+        raise RecordingError(
+            f"cannot read '{path}' ({error.strerror})", "make it a readable file"
+        ) from None
     if not data or len(data) % (4 * PLANES):
-        raise CannotScore(f"'{path}' holds {len(data)} bytes, not {PLANES} planes of float32",
-                          "see `./stator score --help` for the format")
+        raise RecordingError(
+            f"'{path}' holds {len(data)} bytes, not {PLANES} planes of float32",
+            "see `./stator score --help` for the format",
+        )
     return data
 
 
 def planes_of(path: Path, data: bytes) -> Array:
     planes = np.frombuffer(data, "<f4").reshape(PLANES, -1).astype(np.float64)
     if not np.isfinite(planes[TRUTH, planes[MOVING] > 0.5]).all(axis=0).any():
-        raise CannotScore(f"'{path}' has no truth while it moves", "nothing in it can be scored")
+        raise RecordingError(f"'{path}' has no truth while it moves", "nothing in it can be scored")
     return planes
 
 
@@ -165,8 +183,9 @@ def peers_in(folder: Path, names: set[str]) -> dict[str, list[Score]]:
                     figures = (float(row[key]) for key in ("total", "heading", "incl"))
                     result.setdefault(row["filter"], []).append(Score(row["trial"], *figures))
     except (OSError, KeyError, TypeError, ValueError):
-        raise CannotScore(f"cannot understand '{path}'",
-                          "its columns are trial,filter,total,heading,incl") from None
+        raise RecordingError(
+            f"cannot understand '{path}'", "its columns are trial,filter,total,heading,incl"
+        ) from None
     return result
 
 
@@ -174,13 +193,17 @@ def peers_in(folder: Path, names: set[str]) -> dict[str, list[Score]]:
 
 
 def show(scores: list[Score], mean: Score, peers: dict[str, list[Score]]) -> None:
-    peer_means = sorted((mean_of(f"{name} ({len(rows)} of {len(scores)})", rows)
-                         for name, rows in peers.items()), key=lambda score: score.total_deg)
+    peer_means = sorted(
+        (mean_of(f"{name} ({len(rows)} of {len(scores)})", rows) for name, rows in peers.items()),
+        key=lambda score: score.total_deg,
+    )
     width = max(len(score.name) for score in [*scores, mean, *peer_means])
 
     def line(score: Score) -> str:
-        return (f"{score.name:<{width}}  {score.total_deg:8.2f}  {score.heading_deg:8.2f}"
-                f"  {score.inclination_deg:11.2f}")
+        return (
+            f"{score.name:<{width}}  {score.total_deg:8.2f}  {score.heading_deg:8.2f}"
+            f"  {score.inclination_deg:11.2f}"
+        )
 
     print("RMSE in degrees while moving")
     print(f"{'':<{width}}  {'total':>8}  {'heading':>8}  {'inclination':>11}")
@@ -194,24 +217,36 @@ def as_json(scores: list[Score], mean: Score, peers: dict[str, list[Score]]) -> 
     def row(score: Score) -> dict[str, str | float]:
         return {"name": score.name, **score.figures()}
 
-    return json.dumps({
-        "recordings": [row(score) for score in scores],
-        "mean": mean.figures(),
-        "peers": {name: {"recordings": [row(score) for score in rows],
-                         "mean": mean_of(name, rows).figures()}
-                  for name, rows in peers.items()},
-    }, indent=2)
+    return json.dumps(
+        {
+            "recordings": [row(score) for score in scores],
+            "mean": mean.figures(),
+            "peers": {
+                name: {
+                    "recordings": [row(score) for score in rows],
+                    "mean": mean_of(name, rows).figures(),
+                }
+                for name, rows in peers.items()
+            },
+        },
+        indent=2,
+    )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = (
-        f"A recording is NAME{SUFFIX}: a gzip file of float32, little-endian, {PLANES} planes of N\n"
-        "values at 285.714 Hz: gyro xyz [rad/s], accelerometer xyz [m/s^2], magnetometer xyz [uT],\n"
-        "true attitude wxyz (sensor to east-north-up, NaN where unknown), moving (0 or 1).")
+        f"A recording is NAME{SUFFIX}: a gzip file of float32, little-endian, {PLANES} planes of\n"
+        "N values at 285.714 Hz: gyro xyz [rad/s], accelerometer xyz [m/s^2], magnetometer xyz\n"
+        "[uT], true attitude wxyz (sensor to east-north-up, NaN where unknown), moving (0 or 1)."
+    )
     parser.add_argument("estimator", choices=["attitude"], help="what to score")
-    parser.add_argument("folder", type=Path, metavar="DIR",
-                        help=f"folder of *{SUFFIX} recordings, and peer_rmse.csv if there is one")
+    parser.add_argument(
+        "folder",
+        type=Path,
+        metavar="DIR",
+        help=f"folder of *{SUFFIX} recordings, and peer_rmse.csv if there is one",
+    )
     parser.add_argument("--json", action="store_true", help="print what programs read")
 
 
@@ -236,12 +271,14 @@ def main(arguments: argparse.Namespace) -> int:
 
     try:
         scores, peers = score(arguments.folder)
-    except (CannotScore, BuildFailed) as problem:
+    except (RecordingError, BuildFailed) as problem:
         print(problem, file=sys.stderr)
         return 1
     except subprocess.CalledProcessError as problem:
-        print(f"error: the replay ended with status {problem.returncode}; see its message above",
-              file=sys.stderr)
+        print(
+            f"error: the replay ended with status {problem.returncode}; see its message above",
+            file=sys.stderr,
+        )
         return 1
     mean = mean_of("mean", scores)
     if arguments.json:

@@ -18,6 +18,7 @@ from stator.yaml_tree import Mapping, Scalar, Sequence, Tree
 NAME_PATTERN = "[a-z][a-z0-9_]{0,62}"
 _NAME = re.compile(NAME_PATTERN)
 _INTEGER = re.compile(r"[+-]?(0|[1-9][0-9]{0,18})")
+GRAPH_NAME = "the name of a graph, which is its file's"  # never a name in C++
 VARIABLE = re.compile(r"\$\{([^}]*)\}")
 _QUOTED_LENGTH = 60
 
@@ -65,12 +66,13 @@ def misshaped(tree: Tree, what: str, report: Report, hint: str = "") -> None:
     """Says that something of another shape is due."""
     if isinstance(tree, Scalar) and tree.is_null:
         report.error(tree.mark, "wrong-shape", f"{what} is due here, and there is nothing",
+                     "null removes only what an include brings" if tree.text else
                      hint or "remove the key, or write its value")
         return
     kind = "a mapping" if isinstance(tree, Mapping) else \
         "a list" if isinstance(tree, Sequence) else f"the single value {quoted(tree.text)}"
     report.error(tree.mark, "wrong-shape", f"{what} is due here, not {kind}",
-                 hint or "text that begins with a bracket stands in quotes")
+                 hint or "write a single value; text that begins with a bracket stands in quotes")
 
 
 def scalar(tree: Tree, what: str, report: Report) -> Scalar | None:
@@ -117,7 +119,7 @@ def _name_fault(text: str, what: str) -> tuple[str, str, str] | None:
     if not _NAME.fullmatch(text):
         return ("bad-name", f"{quoted(text)} cannot be {what}",
                 "use lower case letters, digits and underscores, a letter first, 63 at most")
-    reason = reserved_reason(text, what)
+    reason = "" if what == GRAPH_NAME else reserved_reason(text, what)
     if reason:
         plain = re.sub("_+", "_", text.strip("_"))
         plain = f"my_{plain}" if reserved_reason(plain, what) else plain
@@ -161,13 +163,14 @@ class Choice:
     words: tuple[str, ...]
 
     def read(self, tree: Tree, report: Report) -> Leaf | None:
-        what = " or ".join(self.words)
+        what = " or ".join([", ".join(self.words[:-1]), self.words[-1]])
         found = scalar(tree, what, report)
         if found is None:
             return None
         if found.text not in self.words:
             report.error(found.mark, "wrong-type", f"{quoted(found.text)} is not {what}",
-                         report.nearest(found.text, self.words))
+                         report.nearest(found.text, self.words) if get_close_matches(
+                             found.text, self.words) else f"write {what}")
             return None
         return Leaf(found.text, found.mark)
 
@@ -263,7 +266,8 @@ def _period(text: str, least_us: int, most_us: int) -> tuple[int, tuple[str, str
     too_short = exact < 0 or (exact.denominator == 1 and exact < least_us)
     if too_short or exact > most_us:
         return 0, ("out-of-range", f"{quoted(text)} is not between {spelled_us(least_us)} and "
-                   f"{spelled_us(most_us)}", "")
+                   f"{spelled_us(most_us)}", f"write {spelled_us(least_us)} or more" if too_short
+                   else f"write {spelled_us(most_us)} or less")
     if exact.denominator != 1:
         return 0, ("period-not-whole", f"{quoted(text)} is {shown(exact)} us, not a whole number of "
                    "microseconds", "write " + " or ".join(_neighbours(exact, dimension)))
@@ -328,7 +332,9 @@ class Listing:
             due = f"{self.least} to {self.most}" if self.most < 1000 else f"at least {self.least}"
             due = str(self.least) if self.least == self.most else due
             report.error(tree.mark, "out-of-range",
-                         f"{len(tree.items)} items are in this list, and {due} are due")
+                         f"the list has {len(tree.items)} of {due} items",
+                         "add what is missing, or remove the key" if len(tree.items) < self.least
+                         else "remove what is too much")
             return None
         items = [self.item.read(item, report) for item in tree.items]
         return Leaf([item for item in items if item is not None], tree.mark)

@@ -13,12 +13,11 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias, Union
 
 import yaml
 
-from stator.diagnostics import Mark, Report, beside
+from stator.diagnostics import MOST_BYTES, Mark, Report, beside
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-MOST_BYTES = 16 * 1024 * 1024
 MOST_DEPTH = 32
 _REFUSED = re.compile(
     "[^\t\n\r\x20-\x7e\x85\xa0-\u1fff\u2010-\u2027\u2030-\u205f\u2070-\ud7ff\ue000-\ufefe\uff00-\ufffd"
@@ -66,8 +65,10 @@ def load(path: Path, report: Report) -> Tree | None:
             return None
         text = path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        report.error(Mark(path, line, 1), "encoding", f"not UTF-8 text: {error.reason} in this line",
+        before = error.object[: error.start]
+        column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1
+        report.error(Mark(path, before.count(b"\n") + 1, column), "encoding",
+                     f"not UTF-8 text: {error.reason}",
                      "save the file as UTF-8")
         return None
     except OSError as error:
@@ -84,13 +85,16 @@ def parse(text: str, path: Path, report: Report) -> Tree | None:
         mark = Mark(path, before.count("\n") + 1, refused.start() - (before.rfind("\n") + 1) + 1)
         _refuse_character(mark, refused.group(0), report)
         return None
+    builder = _Builder(path, report)
     try:
-        return _Builder(path, report).build(text)
+        return builder.build(text)
     except yaml.MarkedYAMLError as error:
         position = error.problem_mark or error.context_mark
+        if "quoted scalar" in (error.context or "") and error.context_mark is not None:
+            position = error.context_mark
         line, column = (position.line + 1, position.column + 1) if position else (1, 1)
         report.error(Mark(path, line, column), "yaml-syntax", f"not YAML: {error.problem}",
-                     _syntax_hint(error, text, line, column))
+                     _syntax_hint(error, text.splitlines(), line, column, builder.innermost))
     except yaml.YAMLError as error:
         report.error(Mark(path, 1, 1), "yaml-syntax", f"not YAML: {str(error).splitlines()[0]}")
     return None
@@ -101,18 +105,19 @@ def _refuse_character(mark: Mark, character: str, report: Report) -> None:
                  "remove it; it is invisible or a control character")
 
 
-def _syntax_hint(error: yaml.MarkedYAMLError, text: str, line: int, column: int) -> str:
+def _syntax_hint(error: yaml.MarkedYAMLError, lines: list[str], line: int, column: int,
+                 innermost: Mark | None) -> str:
     problem = error.problem or ""
-    lines = text.splitlines()
     shown = lines[line - 1] if line <= len(lines) else ""
     if "\t" in shown[: len(shown) - len(shown.lstrip())] or shown[column - 1 : column] == "\t":
         return "indent with spaces, not with tabs"
     if "mapping values are not allowed" in problem:
         return "text with ': ' in it stands in quotes; or the indentation of this line is off"
-    if error.context_mark is not None and "flow" in (error.context or ""):
-        return f"the bracket that opens in line {error.context_mark.line + 1} is not closed before here"
-    if "quoted scalar" in (error.context or "") and error.context_mark is not None:
-        return f"the quote that opens in line {error.context_mark.line + 1} is not closed"
+    if innermost is not None and "flow" in (error.context or ""):
+        bracket = lines[innermost.line - 1][innermost.column - 1 : innermost.column]
+        return f"the '{bracket}' in line {innermost.line}, column {innermost.column} is not closed"
+    if "quoted scalar" in (error.context or ""):
+        return "this quote is not closed"
     if "block" in (error.context or "") or "expected ':'" in problem:
         return "the indentation of this line does not fit the lines above, or a ':' is missing"
     if "cannot start any token" in problem:
@@ -123,13 +128,13 @@ def _syntax_hint(error: yaml.MarkedYAMLError, text: str, line: int, column: int)
 class _Open:
     """A collection whose end has not come yet."""
 
-    __slots__ = ("entries", "items", "key", "key_mark", "keys", "skip")
+    __slots__ = ("entries", "items", "key", "key_mark", "keys", "mark", "skip")
 
     def __init__(self, node: Sequence | Mapping) -> None:
-        is_mapping = isinstance(node, Mapping)
-        self.items = None if is_mapping else node.items
-        self.entries = node.entries if is_mapping else {}
-        self.keys = node.keys if is_mapping else {}
+        self.mark = node.mark
+        self.items = node.items if isinstance(node, Sequence) else None
+        self.entries = node.entries if isinstance(node, Mapping) else {}
+        self.keys = node.keys if isinstance(node, Mapping) else {}
         self.key: str | None = None
         self.key_mark: Mark | None = None
         self.skip = False  # the value belongs to a duplicate key
@@ -142,46 +147,51 @@ class _Builder:
         self._stack: list[_Open] = []
         self._root: Tree | None = None
 
+    @property
+    def innermost(self) -> Mark | None:
+        """The last collection that is still open."""
+        return self._stack[-1].mark if self._stack else None
+
     def build(self, text: str) -> Tree | None:
         """One pass over the events; stops at the first thing that is refused, except that all
         duplicate keys are reported."""
         documents = 0
-        path, stack = self._path, self._stack
         for event in yaml.parse(text, Loader=yaml.CSafeLoader):
-            kind = type(event)
-            if kind is yaml.ScalarEvent:
-                place = event.start_mark
-                mark = Mark(path, place.line + 1, place.column + 1)
+            if isinstance(event, yaml.ScalarEvent):
+                mark = self._mark(event)
                 if not self._is_plain(event, mark) or not self._is_shown(event.value, mark):
                     return None
                 if not self._add(Scalar(event.value, mark, bool(event.style))):
                     return None
-            elif kind is yaml.MappingStartEvent or kind is yaml.SequenceStartEvent:
+            elif isinstance(event, (yaml.MappingStartEvent, yaml.SequenceStartEvent)):
                 mark = self._mark(event)
                 if not self._is_plain(event, mark) or not self._is_shallow(mark):
                     return None
-                node = self._collection(kind is yaml.MappingStartEvent, mark)
+                node = self._collection(isinstance(event, yaml.MappingStartEvent), mark)
                 if not self._add(node):
                     return None
-                stack.append(_Open(node))
-            elif kind is yaml.MappingEndEvent or kind is yaml.SequenceEndEvent:
-                stack.pop()
-            elif kind is yaml.AliasEvent:
+                self._stack.append(_Open(node))
+            elif isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
+                self._stack.pop()
+            elif isinstance(event, yaml.AliasEvent):
                 self._refuse_alias(self._mark(event), f"alias '*{event.anchor}'")
                 return None
-            elif kind is yaml.DocumentStartEvent:
+            elif isinstance(event, yaml.DocumentStartEvent):
                 documents += 1
                 if documents > 1:
                     self._report.error(self._mark(event), "yaml-documents",
                                        "a second document in one file", "remove the line `---`")
                     return None
         if self._root is None or (isinstance(self._root, Scalar) and self._root.is_null):
-            self._report.error(Mark(path, 1, 1), "yaml-empty", "the file has no content")
+            self._report.error(Mark(self._path, 1, 1), "yaml-empty", "the file has no content",
+                               "write it, or remove the file")
             return None
         return self._root
 
     def _mark(self, event: yaml.Event) -> Mark:
-        return Mark(self._path, event.start_mark.line + 1, event.start_mark.column + 1)
+        place = event.start_mark
+        assert place is not None  # only events that are made by hand have none
+        return Mark(self._path, place.line + 1, place.column + 1)
 
     def _collection(self, is_mapping: bool, mark: Mark) -> Sequence | Mapping:
         if not is_mapping:
@@ -193,7 +203,7 @@ class _Builder:
         self._report.error(mark, "yaml-alias", f"{what} is refused",
                            "write the value again, or use `include` with `with`")
 
-    def _is_plain(self, event: yaml.NodeEvent, mark: Mark) -> bool:
+    def _is_plain(self, event: yaml.ScalarEvent | yaml.CollectionStartEvent, mark: Mark) -> bool:
         if event.anchor is not None:
             self._refuse_alias(mark, f"anchor '&{event.anchor}'")
             return False

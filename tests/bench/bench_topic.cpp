@@ -6,16 +6,6 @@
 #include "stator/testing.hpp"
 #include "stator/virtual.hpp"
 
-namespace stator {
-// This program has no graph: the executor has nothing to run.
-extern const Program program;
-constinit const Program program{};
-namespace board {
-uint64_t next_event_us() { return kNever; }
-void advance(uint64_t) {}
-}  // namespace board
-}  // namespace stator
-
 namespace {
 
 struct Sample {

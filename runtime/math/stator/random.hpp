@@ -33,9 +33,8 @@ class Random {
     float uniform_float() { return static_cast<float>(word() >> 8) * 0x1p-24f; }
     double uniform_double();
 
-    // Standard normal (Box and Muller 1958, one of the two); always two words for float, three
-    // for double. Magnitude at most 6.7 (float) or 8.6 (double), where chance has the last word
-    // once in 10^11 or 10^17 draws.
+    // Standard normal (Box and Muller 1958, one of the two); always two words for float, three for
+    // double. Never beyond 6.8 (float) or 8.7 (double), where chance gets once in 10^11 or 10^17.
     float gaussian_float();
     double gaussian_double();
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "stator/random.hpp"
 #include "stator/testing.hpp"
 
@@ -12,9 +14,10 @@ namespace {
 using math::Vector3;
 
 // PX4's Gazebo Iris: iris.sdf.jinja, rotors in PX4's order.
-constexpr std::array<Rotor, 4> kIris{
-    {{0.13F, 0.22F, 0.06F}, {-0.13F, -0.20F, 0.06F}, {0.13F, -0.22F, -0.06F},
-     {-0.13F, 0.20F, -0.06F}}};
+constexpr std::array<Rotor, 4> kIris{{{0.13F, 0.22F, 0.06F},
+                                      {-0.13F, -0.20F, 0.06F},
+                                      {0.13F, -0.22F, -0.06F},
+                                      {-0.13F, 0.20F, -0.06F}}};
 // In units of one rotor's most thrust: half the sum of all lever arms, and all rotors.
 constexpr float kMostRoll = 0.42F;
 constexpr float kMostPitch = 0.26F;
@@ -42,11 +45,11 @@ class AllocationTest : public ::testing::Test {
     const std::array<float, 12>& allocate(float roll, float pitch, float yaw, float thrust) {
         torque_.xyz = {roll, pitch, yaw};
         thrust_.xyz = {0.0F, 0.0F, -thrust};
-        AllocationPorts ports{.torque = Input(torque_),
-                              .thrust = has_thrust_ ? Input(thrust_)
-                                                    : Input<VehicleThrustSetpoint>(),
-                              .status = has_status_ ? Input(status_) : Input<VehicleStatus>(),
-                              .params = Input(params_)};
+        AllocationPorts ports{
+            .torque = Input(torque_),
+            .thrust = has_thrust_ ? Input(thrust_) : Input<VehicleThrustSetpoint>(),
+            .status = has_status_ ? Input(status_) : Input<VehicleStatus>(),
+            .params = Input(params_)};
         testing::Probe motors(ports.motors, 0);
         node_.step(ports);
         motors_ = motors.newest();
@@ -168,7 +171,8 @@ TEST_F(AllocationTest, yaw_yields_first) {
     EXPECT_NEAR(thrust(), 0.6F, 1e-6F);
     EXPECT_GT(torque().z(), 0.2F);  // what is left is used
     EXPECT_LT(torque().z(), 0.9F);
-    EXPECT_NEAR(*std::max_element(motors_.control.begin(), motors_.control.begin() + 4), 1.0F, 1e-6F);
+    EXPECT_NEAR(*std::max_element(motors_.control.begin(), motors_.control.begin() + 4), 1.0F,
+                1e-6F);
 }
 
 TEST_F(AllocationTest, thrust_yields_to_roll_and_pitch) {
@@ -237,6 +241,13 @@ TEST_F(AllocationTest, rotors_that_cannot_steer_stay_stopped) {
     std::array<Rotor, 4> one_way = kIris;
     for (Rotor& rotor : one_way) rotor.moment = 0.06F;  // yaw is lift
     set_rotors(one_way);
+    allocate(0.0F, 0.0F, 0.0F, 0.5F);
+    EXPECT_TRUE(all_stopped());
+    // All but on one line through the centre: roll is pitch.
+    set_rotors(std::array<Rotor, 4>{{{0.2F, 0.2F, 0.06F},
+                                     {-0.2F, -0.2F, 0.06F},
+                                     {0.1F, 0.101F, -0.06F},
+                                     {-0.1F, -0.101F, -0.06F}}});
     allocate(0.0F, 0.0F, 0.0F, 0.5F);
     EXPECT_TRUE(all_stopped());
     std::array<Rotor, 4> in_line = kIris;

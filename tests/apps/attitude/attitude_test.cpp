@@ -58,7 +58,7 @@ bool AttitudeRig::step(const SensorGyro& gyro, const SensorAccel& accel, const S
     if (attitude.count() == 0) return false;
     EXPECT_EQ(attitude.newest().timestamp_sample, gyro.timestamp_sample);
     const auto& q = attitude.newest().q;
-    estimate = Quaternion(double{q[0]}, double{q[1]}, double{q[2]}, double{q[3]});
+    estimate = math::Quaternion<float>(q[0], q[1], q[2], q[3]).cast<double>();
     ++published;
     return true;
 }
@@ -117,9 +117,8 @@ using testing::Vector;
 const AttitudeRig::Motion kNone = AttitudeRig::kNone;
 
 AttitudeRig::Quaternion attitude(double roll_deg, double pitch_deg, double yaw_deg) {
-    return math::from_euler<double>({.roll = roll_deg * kDegree,
-                                     .pitch = pitch_deg * kDegree,
-                                     .yaw = yaw_deg * kDegree});
+    return math::from_euler<double>(
+        {.roll = roll_deg * kDegree, .pitch = pitch_deg * kDegree, .yaw = yaw_deg * kDegree});
 }
 
 TEST(Attitude, SaysNothingBeforeTheFirstAccelerometerSample) {
@@ -293,6 +292,31 @@ TEST(Attitude, FollowsMotionCaptureFromItsFirstSample) {
     rig.capture_period_us = 10'000;
     rig.rest(0.02);
     EXPECT_NEAR(rig.heading_error(), 0, 0.05 * kDegree);
+}
+
+TEST(Attitude, FollowsMotionCaptureAtOnceAfterAGap) {
+    AttitudeRig rig;
+    rig.capture_period_us = 10'000;
+    rig.rest(5);
+    rig.capture_period_us = 0;
+    rig.rest(3);
+    rig.q_NB = attitude(0, 0, 90);  // as if the reference had been turned
+    rig.capture_period_us = 10'000;
+    rig.rest(0.02);
+    EXPECT_NEAR(rig.heading_error(), 0, 0.05 * kDegree);
+    rig.rest(5);
+    EXPECT_LT(rig.tilt_rms(), 0.01 * kDegree);
+    EXPECT_NEAR(rig.heading_error(), 0, 0.05 * kDegree);
+}
+
+TEST(Attitude, TakesNoHeadingFromAVerticalNose) {
+    AttitudeRig rig;
+    rig.q_NB = attitude(0, 90, 0);
+    rig.rest(1);
+    rig.capture_period_us = 10'000;
+    const auto before = rig.estimate;
+    rig.rest(0.02);
+    EXPECT_LT(rig.estimate.angularDistance(before), 0.1 * kDegree);
 }
 
 TEST(Attitude, PrefersMotionCaptureToTheMagnetometer) {

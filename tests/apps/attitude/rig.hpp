@@ -40,11 +40,11 @@ class AttitudeRig {
     Vector gyro_bias{0, 0, 0};
     double gyro_noise = 0;
     double accel_noise = 0;
-    Vector disturbance_B{0, 0, 0};         // gauss
-    Vector field_N{0.2, 0.0, 0.4};         // gauss, dips by 63 deg
+    Vector disturbance_B{0, 0, 0};  // gauss
+    Vector field_N{0.2, 0.0, 0.4};  // gauss, dips by 63 deg
     uint64_t period_us = 1000;
-    uint64_t mag_period_us = 0;            // 0: no magnetometer
-    uint64_t capture_period_us = 0;        // 0: no motion capture
+    uint64_t mag_period_us = 0;      // 0: no magnetometer
+    uint64_t capture_period_us = 0;  // 0: no motion capture
     uint64_t capture_delay_us = 5000;
     bool has_status = false;
     bool armed = false;

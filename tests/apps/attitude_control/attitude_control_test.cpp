@@ -1,4 +1,5 @@
-// Attitude control: tilt before heading, the shorter way round, limits, absent setpoints, convergence.
+// Attitude control: tilt before heading, the shorter way round, limits, absent setpoints,
+// convergence.
 #include "attitude_control.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,9 @@ using math::Vector3;
 Quaternion<float> euler(float roll, float pitch, float yaw) {
     return math::from_euler(math::EulerAngles<float>{roll, pitch, yaw});
 }
-std::array<float, 4> wxyz(const Quaternion<float>& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+std::array<float, 4> wxyz(const Quaternion<float>& q) {
+    return {q.w(), q.x(), q.y(), q.z()};
+}
 
 class AttitudeControlTest : public ::testing::Test {
   protected:
@@ -30,10 +33,10 @@ class AttitudeControlTest : public ::testing::Test {
 
     Vector3<float> rates_at(const Quaternion<float>& q_NB) {
         const VehicleAttitude attitude{.timestamp = 0, .timestamp_sample = 0, .q = wxyz(q_NB)};
-        AttitudeControlPorts ports{.attitude = Input(attitude),
-                                   .setpoint = has_setpoint_ ? Input(setpoint_)
-                                                             : Input<VehicleAttitudeSetpoint>(),
-                                   .params = Input(params_)};
+        AttitudeControlPorts ports{
+            .attitude = Input(attitude),
+            .setpoint = has_setpoint_ ? Input(setpoint_) : Input<VehicleAttitudeSetpoint>(),
+            .params = Input(params_)};
         testing::Probe rates(ports.rates, 0);
         node_.step(ports);
         newest_ = rates.newest();
@@ -135,7 +138,8 @@ TEST_F(AttitudeControlTest, converges_from_any_attitude_to_any_other) {
     for (int trial = 0; trial < 50; ++trial) {
         std::array<float, 8> word;
         for (float& w : word) w = random.gaussian_float();
-        Quaternion<float> q = math::normalized(Quaternion<float>(word[0], word[1], word[2], word[3]));
+        Quaternion<float> q =
+            math::normalized(Quaternion<float>(word[0], word[1], word[2], word[3]));
         const Quaternion<float> wanted =
             math::normalized(Quaternion<float>(word[4], word[5], word[6], word[7]));
         set(wanted);

@@ -1,10 +1,16 @@
 // The control cascade in closed loop around a rigid body: step responses, hover, a whole flight.
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "flying_cascade.hpp"
 
 namespace stator::testing {
 namespace {
+
+std::string name_of(const ::testing::TestParamInfo<Mismatch>& info) {
+    return info.param.name;
+}
 
 constexpr double kDegree = math::kPi<double> / 180.0;
 
@@ -80,10 +86,12 @@ TEST_P(AttitudeStep, a_large_turn_does_not_tilt) {
     EXPECT_LT(most_tilt, 2.0 * kDegree);
 }
 
-INSTANTIATE_TEST_SUITE_P(Vehicles, AttitudeStep,
-                         ::testing::Values(Mismatch{}, Mismatch{.gyro_noise = 0.01},
-                                           Mismatch{.inertia = 0.8, .gyro_noise = 0.01},
-                                           Mismatch{.inertia = 1.2, .gyro_noise = 0.01}));
+INSTANTIATE_TEST_SUITE_P(
+    Vehicles, AttitudeStep,
+    ::testing::Values(Mismatch{}, Mismatch{.name = "noisy", .gyro_noise = 0.01},
+                      Mismatch{.name = "light_arms", .inertia = 0.8, .gyro_noise = 0.01},
+                      Mismatch{.name = "heavy_arms", .inertia = 1.2, .gyro_noise = 0.01}),
+    name_of);
 
 TEST(PositionStep, by_a_metre_converges_on_each_axis) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -93,8 +101,8 @@ TEST(PositionStep, by_a_metre_converges_on_each_axis) {
         goal[static_cast<unsigned>(axis)] -= 1.0F;
         const double start = flight.body.state.position_N[axis];
         flight.hold_position(goal);
-        const StepResponse response = measure(
-            flight, 10.0, [&] { return start - flight.body.state.position_N[axis]; });
+        const StepResponse response =
+            measure(flight, 10.0, [&] { return start - flight.body.state.position_N[axis]; });
         EXPECT_LT(response.overshoot, 0.10) << axis;
         EXPECT_LT(response.settling_s, 4.0) << axis;
         EXPECT_NEAR(flight.body.state.position_N[axis], start - 1.0, 0.01) << axis;
@@ -158,13 +166,15 @@ TEST_P(WholeFlight, takes_off_holds_lands_and_disarms) {
 
 INSTANTIATE_TEST_SUITE_P(
     Vehicles, WholeFlight,
-    ::testing::Values(Mismatch{}, Mismatch{.gyro_noise = 0.01},
-                      Mismatch{.gyro_noise = 0.14, .position_delay_us = 30'000},
-                      Mismatch{.mass = 1.15, .thrust = 0.9, .gyro_noise = 0.01},
-                      Mismatch{.mass = 0.85, .thrust = 1.1, .gyro_noise = 0.01},
-                      Mismatch{.torque_B = {0.05, 0.05, 0.01}, .gyro_noise = 0.01}));
+    ::testing::Values(
+        Mismatch{}, Mismatch{.name = "noisy", .gyro_noise = 0.01},
+        Mismatch{.name = "shaken_and_late", .gyro_noise = 0.14, .position_delay_us = 30'000},
+        Mismatch{.name = "heavy", .mass = 1.15, .thrust = 0.9, .gyro_noise = 0.01},
+        Mismatch{.name = "light", .mass = 0.85, .thrust = 1.1, .gyro_noise = 0.01},
+        Mismatch{.name = "bent", .torque_B = {0.05, 0.05, 0.01}, .gyro_noise = 0.01}),
+    name_of);
 
-TEST(WholeFlight, lands_softly_when_the_position_is_lost) {
+TEST(LostPosition, still_lands_and_disarms) {
     FlyingCascade flight({.gyro_noise = 0.01});
     flight.run_sequence = true;
     while (flight.seconds() < 20.0) flight.step();

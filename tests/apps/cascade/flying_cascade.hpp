@@ -4,6 +4,7 @@
 
 #include <array>
 #include <deque>
+#include <ostream>
 
 #include "allocation.hpp"
 #include "attitude_control.hpp"
@@ -27,14 +28,19 @@ struct BodyState {
 
 // What may differ between the vehicle and what the parameters say.
 struct Mismatch {
-    double mass = 1.0;     // factor
-    double inertia = 1.0;  // factor
-    double thrust = 1.0;   // factor
-    Vector torque_B = Vector::Zero();      // N*m, constant
-    double gyro_noise = 0.0;               // rad/s per sample
+    const char* name = "nominal";
+    double mass = 1.0;                 // factor
+    double inertia = 1.0;              // factor
+    double thrust = 1.0;               // factor
+    Vector torque_B = Vector::Zero();  // N*m, constant
+    double gyro_noise = 0.0;           // rad/s per sample
     uint64_t position_delay_us = 10'000;
     uint64_t seed = 1;
 };
+// The name by which GoogleTest prints it.
+inline void PrintTo(const Mismatch& mismatch, std::ostream* out) {
+    *out << mismatch.name;
+}
 
 class IrisBody {
   public:
@@ -47,8 +53,8 @@ class IrisBody {
         for (unsigned i = 0; i < 4; ++i) {
             const double thrust = motor_thrust(i, control[i], dt);
             force_B.z() -= thrust;
-            torque_B += Vector(-kRotors[i].y * thrust, kRotors[i].x * thrust,
-                               kRotors[i].moment * thrust);
+            torque_B +=
+                Vector(-kRotors[i].y * thrust, kRotors[i].x * thrust, kRotors[i].moment * thrust);
         }
         move(force_B, torque_B, dt);
         if (is_on_ground() && state.velocity_N.z() >= 0.0) rest();
@@ -96,8 +102,8 @@ class IrisBody {
         state.position_N.z() = 0.0;
         state.velocity_N.setZero();
         state.rate_B.setZero();
-        state.q_NB = math::normalized(
-            math::Quaternion<double>(state.q_NB.w(), 0.0, 0.0, state.q_NB.z()));
+        state.q_NB =
+            math::normalized(math::Quaternion<double>(state.q_NB.w(), 0.0, 0.0, state.q_NB.z()));
     }
 
     Mismatch mismatch_;
@@ -169,7 +175,8 @@ class FlyingCascade {
         position_ = late_.front();
     }
     void step_sequence() {
-        SequencePorts ports{.now = now_us_, .position = Input(position_), .params = Input(sequence_params)};
+        SequencePorts ports{
+            .now = now_us_, .position = Input(position_), .params = Input(sequence_params)};
         Probe trajectory_probe(ports.setpoint, now_us_);
         Probe status_probe(ports.status, now_us_);
         sequence_.step(ports);

@@ -40,13 +40,12 @@ class PositionControlTest : public ::testing::Test {
     void step() {
         now_us_ += 10'000;
         position_.timestamp_sample = now_us_;
-        PositionControlPorts ports{.now = now_us_,
-                                   .position = has_position_ ? Input(position_)
-                                                             : Input<VehicleLocalPosition>(),
-                                   .setpoint = has_setpoint_ ? Input(setpoint_)
-                                                             : Input<TrajectorySetpoint>(),
-                                   .status = Input(status_),
-                                   .params = Input(params_, is_first_)};
+        PositionControlPorts ports{
+            .now = now_us_,
+            .position = has_position_ ? Input(position_) : Input<VehicleLocalPosition>(),
+            .setpoint = has_setpoint_ ? Input(setpoint_) : Input<TrajectorySetpoint>(),
+            .status = Input(status_),
+            .params = Input(params_, is_first_)};
         is_first_ = false;
         testing::Probe probe(ports.attitude_setpoint, now_us_);
         node_.step(ports);
@@ -65,7 +64,8 @@ class PositionControlTest : public ::testing::Test {
     Quaternion<float> attitude() const {
         return {newest_.q_d[0], newest_.q_d[1], newest_.q_d[2], newest_.q_d[3]};
     }
-    // Acceleration that the wanted thrust gives a vehicle whose hover thrust is as the parameter says.
+    // Acceleration that the wanted thrust gives a vehicle whose hover thrust is as the parameter
+    // says.
     Vector3<float> acceleration() const {
         const Vector3<float> thrust_B(0.0F, 0.0F, -thrust());
         const Vector3<float> thrust_N = attitude().toRotationMatrix() * thrust_B;
@@ -206,7 +206,7 @@ TEST_F(PositionControlTest, a_saturated_axis_does_not_wind_up) {
     EXPECT_LT(math::norm(acceleration()), 1e-2F);
 }
 
-TEST_F(PositionControlTest, disarming_clears_the_integral) {
+TEST_F(PositionControlTest, disarming_clears_the_integral_and_the_spool_up) {
     params_.vertical_velocity_i = 1.0F;
     spool_up();
     position_.vz = 0.5F;
@@ -215,6 +215,8 @@ TEST_F(PositionControlTest, disarming_clears_the_integral) {
     status_.arming_state = VehicleStatus::ArmingState::kDisarmed;
     step();
     status_.arming_state = VehicleStatus::ArmingState::kArmed;
+    step();
+    EXPECT_LT(thrust(), 0.1F);
     spool_up();
 }
 

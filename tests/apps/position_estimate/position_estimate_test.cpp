@@ -43,6 +43,7 @@ class Rig {
     double capture_noise = 0;
     double accel_noise = 0;
     uint64_t delay_us = 5000;
+    uint64_t capture_period_us = 10'000;
     bool captures = true;
     bool has_attitude = true;
     uint64_t now_us = 0;
@@ -57,7 +58,7 @@ class Rig {
         const uint64_t end_us = now_us + static_cast<uint64_t>(seconds * 1e6 + 0.5);
         while (now_us < end_us) {
             now_us += 1000;
-            if (captures && now_us % 10'000 == 0) look();
+            if (captures && now_us % capture_period_us == 0) look();
             if (has_attitude && now_us % 4000 == 0) activate(true, nullptr);
             if (on_the_way_.empty()) continue;
             if (on_the_way_.front().timestamp_sample + delay_us > now_us) continue;
@@ -73,7 +74,8 @@ class Rig {
             .timestamp_sample = now_us,
             .q = {static_cast<float>(q_NB.w()), static_cast<float>(q_NB.x()),
                   static_cast<float>(q_NB.y()), static_cast<float>(q_NB.z())}};
-        const SensorAccel accel{.timestamp = now_us, .timestamp_sample = now_us, .xyz = accel_now()};
+        const SensorAccel accel{
+            .timestamp = now_us, .timestamp_sample = now_us, .xyz = accel_now()};
         step(with_attitude ? &attitude : nullptr, accel, seen);
     }
 
@@ -82,8 +84,8 @@ class Rig {
         PositionEstimatePorts ports{
             .now = now_us,
             .mocap = seen != nullptr ? Input<VehicleOdometry>(*seen) : Input<VehicleOdometry>(),
-            .attitude = attitude != nullptr ? Input<VehicleAttitude>(*attitude)
-                                            : Input<VehicleAttitude>(),
+            .attitude =
+                attitude != nullptr ? Input<VehicleAttitude>(*attitude) : Input<VehicleAttitude>(),
             .accel = Input<SensorAccel>(accel),
             .params = Input<PositionEstimateParams>(kParams)};
         testing::Probe position(ports.position, ports.now);
@@ -92,17 +94,18 @@ class Rig {
         EXPECT_GT(position.newest().timestamp_sample, newest.timestamp_sample);
         newest = position.newest();
         ++published;
+        EXPECT_TRUE(math::is_finite(position_error() + velocity_error()));
         worst_position = math::max(worst_position, position_error());
         worst_velocity = math::max(worst_velocity, velocity_error());
     }
 
     double position_error() const {
-        return math::norm(Vector(double{newest.x}, double{newest.y}, double{newest.z}) -
-                          path(time()));
+        const math::Vector3<float> position(newest.x, newest.y, newest.z);
+        return math::norm(position.cast<double>() - path(time()));
     }
     double velocity_error() const {
-        return math::norm(Vector(double{newest.vx}, double{newest.vy}, double{newest.vz}) -
-                          velocity(time()));
+        const math::Vector3<float> measured(newest.vx, newest.vy, newest.vz);
+        return math::norm(measured.cast<double>() - velocity(time()));
     }
     bool all_valid() const {
         return newest.xy_valid && newest.z_valid && newest.v_xy_valid && newest.v_z_valid;
@@ -116,16 +119,17 @@ class Rig {
     Vector velocity(double t) const { return (path(t + 1e-4) - path(t - 1e-4)) / 2e-4; }
     std::array<float, 3> accel_now() {
         const double t = time();
-        // Of the millisecond before, as an accelerometer that averages says it.
+        // The mean since the last prediction, as an accelerometer that averages gives it.
         const Vector acceleration = (velocity(t) - velocity(t - 4e-3)) / 4e-3;
         return array(q_NB.conjugate() * (acceleration - Vector(0, 0, kGravity)) + accel_error +
                      noise(accel_noise));
     }
     void look() {
-        on_the_way_.push_back({.timestamp = now_us,
-                               .timestamp_sample = now_us,
-                               .position = array(path(time()) + capture_error + noise(capture_noise)),
-                               .q = {1, 0, 0, 0}});
+        on_the_way_.push_back(
+            {.timestamp = now_us,
+             .timestamp_sample = now_us,
+             .position = array(path(time()) + capture_error + noise(capture_noise)),
+             .q = {1, 0, 0, 0}});
     }
     Vector noise(double sigma) {
         const double x = random_.gaussian_double();
@@ -216,21 +220,57 @@ TEST(PositionEstimate, TurnsTheSpecificForceByTheAttitude) {
     EXPECT_NEAR(rig.newest.heading, 2.0f, 1e-5f);
 }
 
+// Both in one activation, each in its own, or motion capture beside an attitude seen before.
 TEST(PositionEstimate, WorksWithWhicheverInputActivatesIt) {
-    for (const bool together : {true, false}) {
+    for (const int way : {0, 1, 2}) {
         Rig rig;
-        VehicleOdometry seen{.timestamp = 0, .timestamp_sample = 0, .position = {1, 2, -3}, .q = {}};
+        VehicleOdometry seen{
+            .timestamp = 0, .timestamp_sample = 0, .position = {1, 2, -3}, .q = {}};
         for (int i = 0; i < 20; ++i) {
             rig.now_us += 10'000;
             seen.timestamp = seen.timestamp_sample = rig.now_us - 5000;
-            rig.activate(true, together ? &seen : nullptr);
-            if (!together) rig.activate(false, &seen);
+            rig.activate(true, way == 0 ? &seen : nullptr);
+            if (way != 0) rig.activate(way == 2, &seen);
         }
         EXPECT_TRUE(rig.all_valid());
         EXPECT_NEAR(rig.newest.x, 1.0f, 1e-3f);
         EXPECT_NEAR(rig.newest.z, -3.0f, 1e-3f);
-        EXPECT_EQ(rig.published, together ? 20U : 19U);
+        EXPECT_EQ(rig.published, way == 0 ? 20U : 19U);
     }
+}
+
+TEST(PositionEstimate, FollowsRareMotionCaptureSlowly) {
+    Rig rig;
+    rig.path = shuttle;
+    rig.capture_period_us = 250'000;
+    rig.run(5);
+    rig.run(20);
+    EXPECT_TRUE(rig.all_valid());
+    EXPECT_LT(rig.worst_position, 0.02);
+}
+
+TEST(PositionEstimate, DoesNotUseMotionCaptureThatIsTooLate) {
+    Rig rig;
+    rig.delay_us = 150'000;
+    rig.run(1);
+    EXPECT_EQ(rig.published, 0U);
+}
+
+// An accelerometer that shakes at the rate of the attitude, as rotors do near it.
+TEST(PositionEstimate, TakesTheMeanOfTheSamplesBetweenAttitudes) {
+    Rig rig;
+    rig.run(2);
+    for (int i = 1; i <= 400; ++i) {
+        rig.now_us += 1000;
+        const float shake = i % 4 == 0 ? 3.0f : -1.0f;
+        const SensorAccel accel{.timestamp = rig.now_us,
+                                .timestamp_sample = rig.now_us,
+                                .xyz = {shake, 0, -static_cast<float>(kGravity)}};
+        const VehicleAttitude attitude{
+            .timestamp = rig.now_us, .timestamp_sample = rig.now_us, .q = {1, 0, 0, 0}};
+        rig.step(i % 4 == 0 ? &attitude : nullptr, accel, nullptr);
+    }
+    EXPECT_LT(rig.velocity_error(), 1e-4);
 }
 
 TEST(PositionEstimate, IsNotValidHalfASecondAfterTheLastMeasurement) {

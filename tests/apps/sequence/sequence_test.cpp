@@ -1,4 +1,5 @@
-// The sequence: from waiting to disarmed, the smoothness of its setpoints, and a position that goes bad.
+// The sequence: from waiting to disarmed, the smoothness of its setpoints, and a position that goes
+// bad.
 #include "sequence.hpp"
 
 #include <gtest/gtest.h>
@@ -33,10 +34,10 @@ class SequenceTest : public ::testing::Test {
     void step() {
         now_us_ += 20'000;
         if (position_updates_) position_.timestamp_sample = now_us_ - 15'000;
-        SequencePorts ports{.now = now_us_,
-                            .position = has_position_ ? Input(position_)
-                                                      : Input<VehicleLocalPosition>(),
-                            .params = Input(params_)};
+        SequencePorts ports{
+            .now = now_us_,
+            .position = has_position_ ? Input(position_) : Input<VehicleLocalPosition>(),
+            .params = Input(params_)};
         testing::Probe setpoint(ports.setpoint, now_us_);
         testing::Probe status(ports.status, now_us_);
         node_.step(ports);

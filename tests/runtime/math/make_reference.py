@@ -19,6 +19,10 @@ mp.prec = 1400  # the largest double has 1024 bits before the point
 
 Arguments = tuple[float, float]
 
+# Next to multiples of pi/2 and, which is rare, with a carry between the two 64-bit words of the
+# product with 2/pi; found by search.
+CARRIES = tuple(float.fromhex(x) for x in ("0x1.cfe4f670535a4p+658", "0x1.eb3c429c1357ep+160"))
+
 
 @dataclass(frozen=True)
 class Format:
@@ -150,6 +154,7 @@ def functions(form: Format) -> list[Function]:
         1e4,
         1e22,
         *turns,
+        *CARRIES,
     )
     least = math.ldexp(1.0, form.lowest)
     third = math.tan(math.pi / 8)

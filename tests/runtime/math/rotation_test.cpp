@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "stator/random.hpp"
 
 namespace stator::math {
@@ -31,9 +33,16 @@ class Rotation : public ::testing::Test {
         return normalized(Quaternion<T>(v));
     }
 
+    template <typename A>
+    static std::string text(const A& vector) {
+        std::ostringstream out;
+        for (const T x : vector.eval()) out << x << ' ';
+        return out.str();
+    }
+
     template <typename A, typename B>
     static void expect_near(const A& a, const B& b, T tolerance = kTolerance) {
-        EXPECT_LE(norm(a - b), tolerance) << a.transpose() << " and " << b.transpose();
+        EXPECT_LE(norm(a - b), tolerance) << text(a) << "and " << text(b);
     }
 
     static void expect_close(T a, T b, T tolerance) {

@@ -35,8 +35,8 @@ struct Worst {
     }
 };
 
-void expect_below(double limit, const Worst& worst) {
-    EXPECT_LE(worst.error, limit) << std::hexfloat << "x " << worst.x << " y " << worst.y;
+void expect_below(double largest, const Worst& worst) {
+    EXPECT_LE(worst.error, largest) << std::hexfloat << "x " << worst.x << " y " << worst.y;
     ::testing::Test::RecordProperty("largest_error_ulp", std::to_string(worst.error));
     std::cout << "largest error " << worst.error << " ulp\n";
 }
@@ -50,7 +50,7 @@ double float_error(float value, double truth) {
 }
 
 template <typename Function>
-void sweep_floats(double limit, Function function) {
+void sweep_floats(double largest, Function function) {
     Worst worst;
     const std::uint64_t step = stride();
     for (std::uint64_t bits = 0; bits < 0x100000000u; bits += step) {
@@ -58,35 +58,35 @@ void sweep_floats(double limit, Function function) {
         const auto wide = static_cast<double>(x);
         worst.see(float_error(function(x), function(wide)), wide, 0.0);
     }
-    expect_below(limit, worst);
+    expect_below(largest, worst);
 }
 
 TEST(FloatSweep, Sin) {
-    sweep_floats(0.79, [](auto x) { return sin(x); });
+    sweep_floats(limit::kSin, [](auto x) { return sin(x); });
 }
 TEST(FloatSweep, Cos) {
-    sweep_floats(0.79, [](auto x) { return cos(x); });
+    sweep_floats(limit::kCos, [](auto x) { return cos(x); });
 }
 TEST(FloatSweep, Tan) {
-    sweep_floats(0.90, [](auto x) { return tan(x); });
+    sweep_floats(limit::kTan, [](auto x) { return tan(x); });
 }
 TEST(FloatSweep, Atan) {
-    sweep_floats(0.70, [](auto x) { return atan(x); });
+    sweep_floats(limit::kAtan, [](auto x) { return atan(x); });
 }
 TEST(FloatSweep, Asin) {
-    sweep_floats(0.67, [](auto x) { return asin(x); });
+    sweep_floats(limit::kAsin, [](auto x) { return asin(x); });
 }
 TEST(FloatSweep, Acos) {
-    sweep_floats(0.67, [](auto x) { return acos(x); });
+    sweep_floats(limit::kAcos, [](auto x) { return acos(x); });
 }
 TEST(FloatSweep, Exp) {
-    sweep_floats(0.76, [](auto x) { return exp(x); });
+    sweep_floats(limit::kExp, [](auto x) { return exp(x); });
 }
 TEST(FloatSweep, Log) {
-    sweep_floats(0.79, [](auto x) { return log(x); });
+    sweep_floats(limit::kLog, [](auto x) { return log(x); });
 }
 TEST(FloatSweep, Sqrt) {
-    sweep_floats(0.50, [](auto x) { return sqrt(x); });
+    sweep_floats(limit::kSqrt, [](auto x) { return sqrt(x); });
 }
 
 TEST(FloatSweep, SincosIsSinAndCos) {
@@ -137,7 +137,7 @@ double double_error(double value, long double truth) {
 
 // Compares at arguments from `sample`, which returns {x, y}.
 template <typename Sample, typename Function, typename Truth>
-void compare_doubles(double limit, Sample sample, Function function, Truth truth) {
+void compare_doubles(double largest, Sample sample, Function function, Truth truth) {
     if (std::numeric_limits<long double>::digits < 64) GTEST_SKIP() << "no 80-bit long double";
     Random random(kSeed);
     Worst worst;
@@ -145,7 +145,7 @@ void compare_doubles(double limit, Sample sample, Function function, Truth truth
         const auto [x, y] = sample(random);
         worst.see(double_error(function(x, y), truth(x, y)), x, y);
     }
-    expect_below(limit, worst);
+    expect_below(largest, worst);
 }
 
 struct Arguments {
@@ -183,49 +183,49 @@ Arguments power(Random& random) {
     return {base, between(random, -746.0, 710.0) / std::log(base)};
 }
 
-#define COMPARE(limit, sample, name)                             \
-    compare_doubles(                                             \
-        limit, sample, [](double x, double) { return name(x); }, \
+#define COMPARE(largest, sample, name)                             \
+    compare_doubles(                                               \
+        largest, sample, [](double x, double) { return name(x); }, \
         [](double x, double) { return std::name(static_cast<long double>(x)); })
-#define COMPARE_2(limit, sample, name)                                                  \
+#define COMPARE_2(largest, sample, name)                                                \
     compare_doubles(                                                                    \
-        limit, sample, [](double x, double y) { return name(x, y); },                   \
+        largest, sample, [](double x, double y) { return name(x, y); },                 \
         [](double x, double y) {                                                        \
             return std::name(static_cast<long double>(x), static_cast<long double>(y)); \
         })
 
 TEST(DoubleRandom, Sin) {
-    COMPARE(0.80, angle, sin);
+    COMPARE(limit::kSin, angle, sin);
 }
 TEST(DoubleRandom, Cos) {
-    COMPARE(0.80, angle, cos);
+    COMPARE(limit::kCos, angle, cos);
 }
 TEST(DoubleRandom, Tan) {
-    COMPARE(0.90, angle, tan);
+    COMPARE(limit::kTan, angle, tan);
 }
 TEST(DoubleRandom, Atan) {
-    COMPARE(0.70, angle, atan);
+    COMPARE(limit::kAtan, angle, atan);
 }
 TEST(DoubleRandom, Asin) {
-    COMPARE(0.67, unit, asin);
+    COMPARE(limit::kAsin, unit, asin);
 }
 TEST(DoubleRandom, Acos) {
-    COMPARE(0.67, unit, acos);
+    COMPARE(limit::kAcos, unit, acos);
 }
 TEST(DoubleRandom, Exp) {
-    COMPARE(0.78, exponent, exp);
+    COMPARE(limit::kExp, exponent, exp);
 }
 TEST(DoubleRandom, Log) {
-    COMPARE(0.87, positive, log);
+    COMPARE(limit::kLog, positive, log);
 }
 TEST(DoubleRandom, Sqrt) {
-    COMPARE(0.501, positive, sqrt);
+    COMPARE(limit::kSqrt, positive, sqrt);
 }
 TEST(DoubleRandom, Atan2) {
-    COMPARE_2(0.70, direction, atan2);
+    COMPARE_2(limit::kAtan2, direction, atan2);
 }
 TEST(DoubleRandom, Pow) {
-    COMPARE_2(0.79, power, pow);
+    COMPARE_2(limit::kPow, power, pow);
 }
 
 TEST(DoubleRandom, SqrtByIntegersIsTheInstruction) {
@@ -239,7 +239,7 @@ TEST(DoubleRandom, SqrtByIntegersIsTheInstruction) {
 
 // Too many pairs for a sweep.
 template <typename Sample, typename Function>
-void compare_floats(double limit, Sample sample, Function function) {
+void compare_floats(double largest, Sample sample, Function function) {
     Random random(kSeed);
     Worst worst;
     for (std::uint64_t left = random_count(); left > 0; --left) {
@@ -248,7 +248,7 @@ void compare_floats(double limit, Sample sample, Function function) {
             float_error(function(x, y), function(static_cast<double>(x), static_cast<double>(y)));
         worst.see(error, static_cast<double>(x), static_cast<double>(y));
     }
-    expect_below(limit, worst);
+    expect_below(largest, worst);
 }
 
 struct FloatArguments {
@@ -267,7 +267,7 @@ TEST(FloatRandom, Atan2) {
         const float y = scale * (random.uniform_float() - 0.5f);
         return {y, scale * (random.uniform_float() - 0.5f)};
     };
-    compare_floats(0.70, sample, [](auto y, auto x) { return atan2(y, x); });
+    compare_floats(limit::kAtan2, sample, [](auto y, auto x) { return atan2(y, x); });
 }
 
 TEST(FloatRandom, Pow) {
@@ -277,7 +277,7 @@ TEST(FloatRandom, Pow) {
         const double y = between(random, -104.0, 89.0) / std::log(static_cast<double>(base));
         return {base, abs(y) < 1e38 ? static_cast<float>(y) : 1.0f};
     };
-    compare_floats(0.79, sample, [](auto x, auto y) { return pow(x, y); });
+    compare_floats(limit::kPow, sample, [](auto x, auto y) { return pow(x, y); });
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Explores topologies named on the command line, or all of a kind.
 //   explorer [options] ["1r 2w 3q" ...]
 //   --depth 1,2,4   --levels 1,2,3,4   --shared   --activations 7   --most-states N   --fewer-slots 1
+//   --first N       numbers samples after N    --full   begins with a full history
 //   --list          names each topology with its slots, without exploring
 //   --constructed   runs the schedule that needs every slot, with the formula's and with one less
 //   --expect-violation   succeeds if any topology fails: for broken variants of the code
@@ -22,6 +23,7 @@ struct Options {
     Limits limits;
     unsigned fewer_slots = 0;
     uint32_t first = 0;
+    bool full = false;
     bool shared = false;
     bool list = false;
     bool constructed = false;
@@ -48,6 +50,7 @@ Options parse(int count, char** arguments) {
         else if (name == "--most-states") options.limits.states = numbers(value())[0];
         else if (name == "--fewer-slots") options.fewer_slots = numbers(value())[0];
         else if (name == "--first") options.first = static_cast<uint32_t>(std::atoll(value()));
+        else if (name == "--full") options.full = true;
         else if (name == "--shared") options.shared = true;
         else if (name == "--list") options.list = true;
         else if (name == "--constructed") options.constructed = true;
@@ -85,7 +88,8 @@ bool show_constructed(const Topology& topology) {
 
 bool show_explored(const Topology& topology, const Options& options) {
     const unsigned slots = topology.slots() - options.fewer_slots;
-    const Verdict verdict = explore(topology, slots, options.limits, options.first);
+    const Verdict verdict = explore(topology, slots, options.limits,
+                                    {options.first, options.full ? topology.depth : 0});
     std::printf("%s: %u slots, %u activations%s, %llu states, %llu runs%s%s\n",
                 topology.name().c_str(), slots, verdict.activations,
                 verdict.is_complete ? " and no new state after" : "",

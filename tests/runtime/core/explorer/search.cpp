@@ -3,8 +3,8 @@
 #include "search.hpp"
 
 #include <sstream>
-#include <unordered_set>
 
+#include "known_states.hpp"
 #include "world.hpp"
 
 namespace stator::explorer {
@@ -33,7 +33,7 @@ class Search : public Schedule {
     Limits limits_;
     std::vector<Prefix> prefixes_;  // in order of activations
     std::vector<Prefix> followed_;  // the one of this run, last activation first
-    std::unordered_set<uint64_t> known_;
+    KnownStates known_;
     uint32_t current_ = 0;
     unsigned point_ = 0;
 };
@@ -74,12 +74,15 @@ int Search::choose(World& world) {
         followed_.pop_back();
         return user;
     }
-    if (!known_.insert(world.state_hash()).second) {
+    // The last user has the highest level: where it may not run, nobody may.
+    const auto users = static_cast<unsigned>(world.topology().users.size());
+    if (!world.may_run(users - 1)) return kNobody;
+    if (!known_.insert(world.state_hash())) {
         world.end_early();
         return kNobody;
     }
     const auto activations = static_cast<uint8_t>(prefixes_[current_].activations + 1);
-    for (unsigned user = 0; user < world.topology().users.size(); ++user) {
+    for (unsigned user = 0; user < users; ++user) {
         if (!world.may_run(user)) continue;
         prefixes_.push_back({current_, static_cast<uint16_t>(point), static_cast<uint8_t>(user),
                              activations});
@@ -138,14 +141,13 @@ void Constructed::publish_history(World& world) const {
 
 int Constructed::choose(World& world) {
     // Jobs above the last holder, and holders before they hold all they can, are left alone.
-    if (world.job_count() != next_) return kNobody;
+    if (next_ > holders_.size() || world.job_count() != next_) return kNobody;
     if (next_ != 0) {
         const bool publishes = world.topology().users[holders_[next_ - 1]].role.publishes();
         const Job::Phase phase = publishes ? Job::Phase::kBuilding : Job::Phase::kHolding;
         if (world.job().user != holders_[next_ - 1] || world.job().phase != phase) return kNobody;
     }
     const unsigned holder = next_;
-    if (holder > holders_.size()) return kNobody;
     next_ = static_cast<unsigned>(holders_.size()) + 1;  // none of this for what runs next
     publish_history(world);
     next_ = holder + 1;
@@ -155,13 +157,14 @@ int Constructed::choose(World& world) {
 
 }  // namespace
 
-Verdict explore(const Topology& topology, unsigned slots, const Limits& limits, uint32_t first) {
-    World world(topology, slots, first);
+Verdict explore(const Topology& topology, unsigned slots, const Limits& limits,
+                const Start& start) {
+    World world(topology, slots, start.first, start.published);
     return Search(limits).search(world);
 }
 
 Verdict run_constructed(const Topology& topology, unsigned slots) {
-    World world(topology, slots, 0);
+    World world(topology, slots, 0, 0);
     Constructed schedule(topology);
     Verdict verdict;
     if (!world.run(schedule)) verdict.violation = world.violation();

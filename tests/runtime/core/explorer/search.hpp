@@ -13,6 +13,12 @@ struct Limits {
     uint64_t states = UINT64_MAX;
 };
 
+// Where a run begins: with a history that full, the next number after `first`.
+struct Start {
+    uint32_t first = 0;
+    unsigned published = 0;
+};
+
 struct Verdict {
     std::string violation;     // empty: none
     std::string schedule;      // the one that shows it
@@ -23,9 +29,10 @@ struct Verdict {
     bool has_passed() const { return violation.empty(); }
 };
 
-// Explores with `slots` slots, numbering samples after `first`. Breadth first, so that the schedule
+// Explores with `slots` slots. Breadth first, so that the schedule
 // of a violation has the fewest activations.
-Verdict explore(const Topology& topology, unsigned slots, const Limits& limits, uint32_t first = 0);
+Verdict explore(const Topology& topology, unsigned slots, const Limits& limits,
+                const Start& start = {});
 
 // Runs the one schedule that needs every slot: users below the highest publishing level start in
 // increasing order of level and stay in their activations, with `depth` publications by the highest

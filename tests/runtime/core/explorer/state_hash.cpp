@@ -124,8 +124,11 @@ uint64_t World::state_hash() const {
         hash.add(job.has_pin ? uint64_t{job.pin.slot} << 32 | job.pin.saved_free : ~0ULL);
         hash.add(job.has_loan ? uint64_t{job.loaned.slot} << 32 | job.loaned.saved_free : ~0ULL);
         if (job.phase == Job::Phase::kTaking) {
-            add_number(job.newest_at_start);
-            hash.add(job.any_at_start);
+            // What the checks of this take will ask for.
+            const unsigned user = job.user;
+            const bool is_queue = topology_.users[user].role.reads_queue();
+            hash.add(is_queue ? job.newest_at_start != cursor_[user] : job.any_at_start);
+            if (!is_queue) add_number(job.newest_at_start);
         }
         for (unsigned k = 0; k < job.load_count; ++k) {
             const auto& [value, is_sequence] = job.loads[k];

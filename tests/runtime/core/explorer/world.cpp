@@ -16,8 +16,8 @@ unsigned raise_ceiling(unsigned ceiling) { return running->raise_ceiling(ceiling
 void restore_ceiling(unsigned ceiling) { running->restore_ceiling(ceiling); }
 void fail(const char* what) { running->fail(what); }
 
-World::World(const Topology& topology, unsigned slots, uint32_t first)
-    : topology_(topology), slots_(slots), first_(first) {
+World::World(const Topology& topology, unsigned slots, uint32_t first, unsigned published)
+    : topology_(topology), slots_(slots), first_(first), published_(published) {
     for (unsigned i = 0; i < topology.users.size(); ++i) {
         keep_[i] = topology.is_read_above(topology.users[i].level);
     }
@@ -37,7 +37,7 @@ World::World(const Topology& topology, unsigned slots, uint32_t first)
 
 bool World::run(Schedule& schedule) {
     running = this;
-    schedule_ = &schedule;
+    schedule_ = nullptr;
     violation_ = nullptr;
     is_over_ = false;
     ceiling_ = 0;
@@ -48,11 +48,19 @@ bool World::run(Schedule& schedule) {
     cursor_.fill(first_);
     lost_ = {};
     last_newest_ = first_;
+    publish_first();
+    schedule_ = &schedule;
     try {
         pass_point();
     } catch (const Violation&) {
     }
     return violation_ == nullptr;
+}
+
+void World::publish_first() {
+    unsigned publisher = 0;
+    while (!topology_.users[publisher].role.publishes()) ++publisher;
+    for (unsigned i = 0; i < published_; ++i) activate(publisher, true);
 }
 
 void World::fail(const char* what) {
@@ -67,7 +75,7 @@ bool World::may_run(unsigned user) const {
 }
 
 void World::pass_point() {
-    while (!is_over_) {
+    while (!is_over_ && schedule_ != nullptr) {
         if (job_count_ == 0) check_idle();
         const int user = schedule_->choose(*this);
         if (user == Schedule::kNobody) break;

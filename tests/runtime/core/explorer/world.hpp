@@ -63,8 +63,8 @@ struct Job {
 class World {
   public:
     // `slots` may differ from what the topology needs, to see what happens. `first` is the number
-    // before the first sample.
-    World(const Topology& topology, unsigned slots, uint32_t first);
+    // before the first sample. `published`: so many samples are there when the schedule begins.
+    World(const Topology& topology, unsigned slots, uint32_t first, unsigned published);
 
     // Runs one schedule from the start. False: `violation()` says what went wrong.
     bool run(Schedule& schedule);
@@ -93,8 +93,8 @@ class World {
   private:
     struct Violation {};
 
+    void publish_first();
     void step(Job& job);
-    void read(Job& job);
     bool take(Job& job);
     void publish(Job& job);
     void check_taken(const Job& job, uint32_t cursor, uint32_t lost, uint32_t number);
@@ -110,6 +110,7 @@ class World {
     Topology topology_;
     unsigned slots_;
     uint32_t first_;
+    unsigned published_;
     Schedule* schedule_ = nullptr;
     const char* violation_ = nullptr;
     bool is_over_ = false;

@@ -1,0 +1,18 @@
+// Counts its own activations: the smallest node that does something.
+#pragma once
+
+#include <cstdint>
+
+#include "counter_ports.hpp"
+
+namespace stator {
+
+class Counter {
+  public:
+    void step(CounterPorts& ports);
+
+  private:
+    uint32_t counted_ = 0;
+};
+
+}  // namespace stator

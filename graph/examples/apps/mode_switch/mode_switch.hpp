@@ -1,0 +1,18 @@
+// Goes through the modes of a graph with two, one activation each.
+#pragma once
+
+#include <cstdint>
+
+#include "mode_switch_ports.hpp"
+
+namespace stator {
+
+class ModeSwitch {
+  public:
+    void step(ModeSwitchPorts& ports);
+
+  private:
+    uint8_t mode_ = 0;
+};
+
+}  // namespace stator

@@ -1,0 +1,1 @@
+// Only its name counts here: these graphs are checked, not built.

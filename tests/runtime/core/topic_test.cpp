@@ -1,0 +1,426 @@
+// Topics and ports as nodes use them. The unit tests of PX4's uORB (uORBTest_UnitTest.cpp) are the
+// least that is asked of them:
+//
+// | there                | here                                                                    |
+// |----------------------|-------------------------------------------------------------------------|
+// | single               | absent_before_the_first_publication, is_new_once                         |
+// | SubscriptionMulti    | two_topics_of_one_message_are_apart                                      |
+// | multi                | two_topics_of_one_message_are_apart                                      |
+// | multi_reversed       | a_late_reader_gets_the_newest, absent_before_the_first_publication       |
+// | unadvertise          | none: topics exist from boot on; a mode's end: tests/runtime/virtual     |
+// | multi2 (queues)      | several_publishers_are_numbered_in_one_order                             |
+// | wrap_around          | Queue.numbers_survive_wrap_around, numbers_survive_wrap_around_at_depth_1|
+// | queue                | Queue.in_order_and_complete, Queue.overflow_loses_the_oldest_and_counts  |
+// | queue_poll_notify    | publishing_wakes_more_urgent_readers_at_once; tests/runtime/virtual      |
+// | latency              | none here: `./stator bench`, and the proof                               |
+// | orb_set_interval     | thinning_keeps_the_mean_rate                                             |
+#include <gtest/gtest.h>
+
+#include "program.hpp"
+#include "stator/testing.hpp"
+
+namespace stator {
+namespace {
+
+using testing::publish;
+using testing::TopicOf;
+
+struct Reading {
+    uint64_t timestamp;
+    uint32_t value;
+    uint32_t _padding0;
+};
+
+class TopicTest : public ::testing::Test {
+  protected:
+    TopicTest() { testing::begin(); }
+};
+
+TEST_F(TopicTest, absent_before_the_first_publication) {
+    TopicOf<Reading, 1, 2> topic;
+    uint32_t cursor = 0;
+    Input<Reading> latest;
+    latest.take_latest(topic.topic, cursor, 0);
+    EXPECT_FALSE(latest);
+    EXPECT_FALSE(latest.is_new());
+    EXPECT_FALSE(latest.next());
+    Input<Reading> trigger;
+    trigger.take_trigger(topic.topic, cursor);
+    EXPECT_FALSE(trigger);
+    EXPECT_FALSE(has_unread(topic.topic, cursor));
+    EXPECT_TRUE(topic.is_idle());
+}
+
+TEST_F(TopicTest, a_sample_is_read_where_it_was_built) {
+    TopicOf<Reading, 1, 2> topic;
+    Output<Reading> output;
+    output.connect(topic.topic, 7, true);
+    output.publish([] { return Reading{.timestamp = 0, .value = 42, ._padding0 = 0}; });
+    const unsigned slot = loan(topic.topic, true).slot;  // the slot that the next publication gets
+    publish(topic.topic, Reading{0, 43, 0}, 8);
+    uint32_t cursor = 0;
+    Input<Reading> input;
+    input.take_latest(topic.topic, cursor, 8);
+    EXPECT_EQ(&*input, &topic.samples[slot]);
+    EXPECT_EQ(input->value, 43U);
+}
+
+TEST_F(TopicTest, publishing_stamps_the_activations_time) {
+    TopicOf<Reading, 1, 2> topic;
+    publish(topic.topic, Reading{.timestamp = 999, .value = 1, ._padding0 = 0}, 1234);
+    uint32_t cursor = 0;
+    Input<Reading> input;
+    input.take_latest(topic.topic, cursor, 1234);
+    EXPECT_EQ(input->timestamp, 1234U);
+}
+
+TEST_F(TopicTest, an_unconnected_output_publishes_nothing) {
+    Output<Reading> output;
+    bool was_made = false;
+    output.publish([&] {
+        was_made = true;
+        return Reading{};
+    });
+    EXPECT_FALSE(output.is_connected());
+    EXPECT_FALSE(was_made);
+}
+
+TEST_F(TopicTest, is_new_once) {
+    TopicOf<Reading, 1, 2> topic;
+    publish(topic.topic, Reading{0, 5, 0}, 10);
+    uint32_t cursor = 0;
+    for (const bool expected : {true, false}) {
+        Input<Reading> input;
+        input.take_latest(topic.topic, cursor, 10);
+        EXPECT_EQ(input->value, 5U);
+        EXPECT_EQ(input.is_new(), expected);
+        EXPECT_EQ(input.next(), expected);
+        EXPECT_FALSE(input.next());
+        EXPECT_EQ(input->value, 5U) << "next() keeps a latest sample";
+    }
+}
+
+TEST_F(TopicTest, a_late_reader_gets_the_newest) {
+    TopicOf<Reading, 4, 6> topic;
+    for (uint32_t i = 1; i <= 9; ++i) publish(topic.topic, Reading{0, i, 0}, i);
+    uint32_t cursor = 0;
+    Input<Reading> input;
+    input.take_latest(topic.topic, cursor, 9);
+    EXPECT_EQ(input->value, 9U);
+    EXPECT_EQ(input.number(), 9U);
+    EXPECT_EQ(input.lost(), 8U);
+}
+
+TEST_F(TopicTest, two_topics_of_one_message_are_apart) {
+    TopicOf<Reading, 1, 2> left;
+    TopicOf<Reading, 1, 2> right;
+    publish(left.topic, Reading{0, 103, 0}, 1);
+    publish(right.topic, Reading{0, 203, 0}, 2);
+    uint32_t cursors[2] = {};
+    Input<Reading> inputs[2];
+    inputs[0].take_latest(left.topic, cursors[0], 2);
+    inputs[1].take_latest(right.topic, cursors[1], 2);
+    EXPECT_EQ(inputs[0]->value, 103U);
+    EXPECT_EQ(inputs[1]->value, 203U);
+}
+
+TEST_F(TopicTest, a_latest_input_counts_what_passed_unread) {
+    TopicOf<Reading, 1, 2> topic;
+    uint32_t cursor = 0;
+    for (const uint32_t published : {1U, 3U, 0U, 1U}) {
+        for (uint32_t i = 0; i < published; ++i) publish(topic.topic, Reading{}, 0);
+        Input<Reading> input;
+        input.take_latest(topic.topic, cursor, 0);
+        EXPECT_EQ(input.lost(), published > 1 ? published - 1 : 0U);
+        EXPECT_EQ(input.is_new(), published != 0);
+    }
+}
+
+TEST_F(TopicTest, an_old_sample_reads_as_absent) {
+    TopicOf<Reading, 1, 2> topic;
+    publish(topic.topic, Reading{0, 1, 0}, 1000);
+    for (const auto& [now_us, is_there] : {std::pair{1050U, true}, std::pair{1051U, false}}) {
+        uint32_t cursor = 0;
+        Input<Reading> input;
+        input.take_latest(topic.topic, cursor, now_us, 50);
+        EXPECT_EQ(static_cast<bool>(input), is_there) << now_us;
+        EXPECT_EQ(input.next(), is_there) << now_us;
+        EXPECT_EQ(topic.is_idle(), !is_there) << "an absent sample holds no slot";
+    }
+}
+
+TEST_F(TopicTest, a_sample_stamped_later_than_now_is_young) {
+    TopicOf<Reading, 1, 2> topic;
+    publish(topic.topic, Reading{}, 1000);
+    uint32_t cursor = 0;
+    Input<Reading> input;
+    input.take_latest(topic.topic, cursor, 990, 50);
+    EXPECT_TRUE(input);
+}
+
+TEST_F(TopicTest, an_old_trigger_sample_reads_as_absent_and_is_consumed) {
+    TopicOf<Reading, 2, 4> topic;
+    publish(topic.topic, Reading{}, 1000);
+    uint32_t cursor = 0;
+    {
+        Input<Reading> input;
+        input.take_trigger(topic.topic, cursor);
+        input.limit_age(2000, 500);
+        EXPECT_FALSE(input);
+    }
+    EXPECT_FALSE(has_unread(topic.topic, cursor));
+    EXPECT_TRUE(topic.is_idle());
+}
+
+TEST_F(TopicTest, a_queue_skips_samples_that_are_too_old) {
+    TopicOf<Reading, 4, 6> topic;
+    for (uint32_t i = 1; i <= 4; ++i) publish(topic.topic, Reading{0, i, 0}, i * 100);
+    uint32_t cursor = 0;
+    Input<Reading> input;
+    input.open_queue(topic.topic, cursor, 400, 150);
+    ASSERT_TRUE(input.next());
+    EXPECT_EQ(input->value, 3U);
+    ASSERT_TRUE(input.next());
+    EXPECT_EQ(input->value, 4U);
+    EXPECT_FALSE(input.next());
+    EXPECT_FALSE(input);
+    EXPECT_TRUE(topic.is_idle());
+}
+
+TEST_F(TopicTest, numbers_survive_wrap_around_at_depth_1) {
+    TopicOf<Reading, 1, 3> topic(0xFFFFFFFEU);
+    uint32_t trigger_cursor = 0xFFFFFFFEU;
+    uint32_t latest_cursor = 0xFFFFFFFEU;
+    for (uint32_t i = 0; i < 4; ++i) {
+        publish(topic.topic, Reading{0, i, 0}, i);
+        Input<Reading> trigger;
+        trigger.take_trigger(topic.topic, trigger_cursor);
+        ASSERT_TRUE(trigger);
+        EXPECT_EQ(trigger.number(), 0xFFFFFFFFU + i);
+        EXPECT_EQ(trigger.lost(), 0U);
+        if (i % 2 == 0) continue;
+        Input<Reading> latest;
+        latest.take_latest(topic.topic, latest_cursor, i);
+        EXPECT_TRUE(latest.is_new());
+        EXPECT_EQ(latest.lost(), 1U);
+    }
+}
+
+TEST_F(TopicTest, several_publishers_are_numbered_in_one_order) {
+    TopicOf<Reading, 4, 7, 2> topic;  // levels 1 and 2 publish, level 3 reads
+    std::vector<uint32_t> values;
+    uint32_t cursor = 0;
+    const Pend subscribers[] = {testing::kHigh};
+    topic.topic.subscribers = subscribers;
+    topic.topic.subscriber_count = 1;
+    testing::jobs[0] = [&] {
+        Input<Reading> input;
+        input.take_trigger(topic.topic, cursor);
+        EXPECT_EQ(input.lost(), 0U);
+        values.push_back(input->value);
+    };
+    testing::jobs[1] = [&] { publish(topic.topic, Reading{0, 2, 0}, 1); };
+    testing::jobs[2] = [&] {
+        Output<Reading> output;
+        output.connect(topic.topic, 1, true);
+        output.publish([] {
+            set_pending(testing::kMiddle);  // publishes while this sample is built
+            preempt();
+            return Reading{0, 1, 0};
+        });
+    };
+    set_pending(testing::kLow);
+    preempt();
+    EXPECT_EQ(values, (std::vector<uint32_t>{2, 1}));
+    EXPECT_TRUE(topic.is_idle());
+    EXPECT_EQ(topic.state.head.load(), 2U);
+}
+
+TEST_F(TopicTest, publishing_wakes_more_urgent_readers_at_once) {
+    TopicOf<Reading, 1, 4> topic;
+    const Pend subscribers[] = {{0, testing::kHigh.mask | testing::kLow.mask}};
+    topic.topic.subscribers = subscribers;
+    topic.topic.subscriber_count = 1;
+    std::string order;
+    testing::jobs[0] = [&] { order += "high "; };
+    testing::jobs[2] = [&] { order += "low "; };
+    testing::jobs[1] = [&] {
+        publish(topic.topic, Reading{}, 1);
+        order += "middle ";
+    };
+    set_pending(testing::kMiddle);
+    preempt();
+    EXPECT_EQ(order, "high middle low ");
+}
+
+// A held sample stays as it is while its slot's neighbours are written again and again.
+TEST_F(TopicTest, a_held_sample_does_not_change) {
+    TopicOf<Reading, 2, 4> topic;
+    publish(topic.topic, Reading{0, 77, 0}, 1);
+    uint32_t cursor = 0;
+    {
+        Input<Reading> input;
+        input.take_latest(topic.topic, cursor, 1);
+        for (uint32_t i = 0; i < 20; ++i) publish(topic.topic, Reading{0, i, 0}, i);
+        EXPECT_EQ(input->value, 77U);
+    }
+    EXPECT_TRUE(topic.is_idle());
+}
+
+TEST_F(TopicTest, one_slot_too_few_is_found_at_the_loan) {
+    TopicOf<Reading, 1, 1> topic;
+    publish(topic.topic, Reading{}, 0);
+    uint32_t cursor = 0;
+    Input<Reading> input;
+    input.take_latest(topic.topic, cursor, 0);
+    EXPECT_DEATH(publish(topic.topic, Reading{}, 0), "topic: no free slot");
+}
+
+// --- thinning ---
+
+unsigned times_woken(uint32_t sample_period_us, uint32_t interval_us, uint64_t duration_us) {
+    TopicOf<Reading, 1, 2> topic;
+    ThinnedState state;
+    const Thinned thinned[] = {{&state, interval_us, testing::kHigh}};
+    topic.topic.thinned = thinned;
+    topic.topic.thinned_count = 1;
+    for (uint64_t now_us = 0; now_us < duration_us; now_us += sample_period_us) {
+        publish(topic.topic, Reading{}, now_us);
+    }
+    return state.fires.load();
+}
+
+TEST_F(TopicTest, thinning_keeps_the_mean_rate) {
+    // A sample every 3 ms, thinned to 10 ms: comparing with the last one would give 12 ms.
+    EXPECT_EQ(times_woken(3000, 10000, 3'000'000), 300U);
+    EXPECT_EQ(times_woken(1000, 4000, 1'000'000), 250U);
+    // Rarer samples than the interval all pass.
+    EXPECT_EQ(times_woken(20000, 10000, 1'000'000), 50U);
+}
+
+TEST_F(TopicTest, a_pause_of_a_thinned_topic_is_not_made_up_for) {
+    TopicOf<Reading, 1, 2> topic;
+    ThinnedState state;
+    const Thinned thinned[] = {{&state, 1000, testing::kHigh}};
+    topic.topic.thinned = thinned;
+    topic.topic.thinned_count = 1;
+    for (const uint64_t now_us : {0U, 100000U, 100100U, 101000U}) {
+        publish(topic.topic, Reading{}, now_us);
+    }
+    EXPECT_EQ(state.fires.load(), 3U);  // at 0, 100 and 101 ms
+}
+
+// --- queues of every depth ---
+
+template <class Depth>
+class Queue : public TopicTest {
+  protected:
+    static constexpr unsigned kQueueDepth = Depth::value;
+    using Sized = TopicOf<Reading, kQueueDepth, kQueueDepth + 2>;
+};
+template <unsigned depth>
+using Depth = std::integral_constant<unsigned, depth>;
+using Depths = ::testing::Types<Depth<2>, Depth<4>, Depth<8>, Depth<16>>;
+TYPED_TEST_SUITE(Queue, Depths);
+
+TYPED_TEST(Queue, in_order_and_complete) {
+    constexpr unsigned kDepth = TestFixture::kQueueDepth;
+    typename TestFixture::Sized topic;
+    uint32_t cursor = 0;
+    uint32_t expected = 1;
+    uint32_t published = 0;
+    for (unsigned round = 0; round < 5; ++round) {
+        for (unsigned i = 0; i < kDepth; ++i) publish(topic.topic, Reading{0, ++published, 0}, 0);
+        Input<Reading> input;
+        input.open_queue(topic.topic, cursor, 0);
+        EXPECT_FALSE(input) << "absent until next()";
+        while (input.next()) {
+            EXPECT_EQ(input->value, expected);
+            EXPECT_EQ(input.number(), expected);
+            EXPECT_TRUE(input.is_new());
+            ++expected;
+        }
+        EXPECT_EQ(input.lost(), 0U);
+    }
+    EXPECT_EQ(expected, published + 1);
+    EXPECT_TRUE(topic.is_idle());
+}
+
+TYPED_TEST(Queue, overflow_loses_the_oldest_and_counts) {
+    constexpr unsigned kDepth = TestFixture::kQueueDepth;
+    typename TestFixture::Sized topic;
+    const uint32_t published = 3 * kDepth + 1;
+    for (uint32_t i = 1; i <= published; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
+    uint32_t cursor = 0;
+    Input<Reading> input;
+    input.open_queue(topic.topic, cursor, 0);
+    for (uint32_t i = published - kDepth + 1; i <= published; ++i) {
+        ASSERT_TRUE(input.next());
+        EXPECT_EQ(input->value, i);
+    }
+    EXPECT_FALSE(input.next());
+    EXPECT_EQ(input.lost(), published - kDepth);
+}
+
+TYPED_TEST(Queue, a_trigger_consumes_one_sample_for_each_activation) {
+    typename TestFixture::Sized topic;
+    publish(topic.topic, Reading{0, 1, 0}, 0);
+    publish(topic.topic, Reading{0, 2, 0}, 0);
+    uint32_t cursor = 0;
+    for (const uint32_t expected : {1U, 2U}) {
+        EXPECT_TRUE(has_unread(topic.topic, cursor));
+        Input<Reading> input;
+        input.take_trigger(topic.topic, cursor);
+        EXPECT_EQ(input->value, expected);
+        EXPECT_TRUE(input.next());
+        EXPECT_FALSE(input.next());
+    }
+    EXPECT_FALSE(has_unread(topic.topic, cursor));
+}
+
+TYPED_TEST(Queue, numbers_survive_wrap_around) {
+    constexpr unsigned kDepth = TestFixture::kQueueDepth;
+    const uint32_t first = 0U - kDepth / 2 - 1;
+    typename TestFixture::Sized topic(first);
+    uint32_t cursor = first;
+    for (uint32_t i = 1; i <= kDepth + 1; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
+    Input<Reading> input;
+    input.open_queue(topic.topic, cursor, 0);
+    for (uint32_t i = 2; i <= kDepth + 1; ++i) {
+        ASSERT_TRUE(input.next());
+        EXPECT_EQ(input->value, i);
+        EXPECT_EQ(input.number(), first + i);
+    }
+    EXPECT_FALSE(input.next());
+    EXPECT_EQ(input.lost(), 1U);
+}
+
+TYPED_TEST(Queue, next_goes_on_where_a_publication_in_between_left_it) {
+    typename TestFixture::Sized topic;
+    publish(topic.topic, Reading{0, 1, 0}, 0);
+    uint32_t cursor = 0;
+    Input<Reading> input;
+    input.open_queue(topic.topic, cursor, 0);
+    ASSERT_TRUE(input.next());
+    EXPECT_FALSE(input.next());
+    publish(topic.topic, Reading{0, 2, 0}, 0);
+    ASSERT_TRUE(input.next());
+    EXPECT_EQ(input->value, 2U);
+}
+
+// --- layout: what the table and the words cost on the target ---
+
+TEST(TopicLayout, state_is_three_words_and_slots_count_from_the_top_bit) {
+    static_assert(sizeof(Shared<uint32_t>) == 4 && sizeof(Shared<uint8_t>) == 1);
+    static_assert(sizeof(TopicState) == 12);
+    static_assert(sizeof(Topic) <= 6 * sizeof(void*) + 8);
+    static_assert(slot_mask(0) == 0x80000000U && slot_mask(31) == 1U);
+    static_assert(all_slots(1) == 0x80000000U && all_slots(32) == 0xFFFFFFFFU);
+    static_assert(std::atomic<uint32_t>::is_always_lock_free);
+    for (unsigned slot = 0; slot < kMaxSlots; ++slot) {
+        EXPECT_EQ(static_cast<unsigned>(std::countl_zero(slot_mask(slot))), slot);
+    }
+}
+
+}  // namespace
+}  // namespace stator
