@@ -11,10 +11,6 @@ namespace {
 // Below this the thrust axis points the opposite way, and no heading is nearer than another.
 constexpr float kHeadingUndefined = 1e-6F;
 
-Quaternion<float> quaternion_of(const std::array<float, 4>& q) {
-    return {q[0], q[1], q[2], q[3]};
-}
-
 bool is_usable(const VehicleAttitudeSetpoint& setpoint) {
     const auto& q = setpoint.q_d;
     const auto& thrust = setpoint.thrust_body;
@@ -48,11 +44,11 @@ Vector3<float> down_B(const Quaternion<float>& q) {
 }  // namespace
 
 Vector3<float> AttitudeControl::rates_setpoint(const AttitudeControlPorts& ports) {
-    const Quaternion<float> q_NB = quaternion_of(ports.attitude->q);
+    const Quaternion<float> q_NB = math::quaternion(ports.attitude->q);
     Quaternion<float> wanted = level(q_NB);
     float yaw_rate = 0.0F;
     if (ports.setpoint && is_usable(*ports.setpoint)) {
-        wanted = quaternion_of(ports.setpoint->q_d);
+        wanted = math::quaternion(ports.setpoint->q_d);
         yaw_rate = ports.setpoint->yaw_sp_move_rate;
         thrust_body_ = ports.setpoint->thrust_body;
         has_setpoint_ = true;

@@ -40,10 +40,6 @@ bool is_good(const SequencePorts& ports) {
     return is_valid && is_number && !is_old;
 }
 
-std::array<float, 3> array_of(const Vector3<float>& v) {
-    return {v.x(), v.y(), v.z()};
-}
-
 }  // namespace
 
 float Sequence::seconds_since_last(uint64_t now_us) {
@@ -166,9 +162,9 @@ void Sequence::advance(const SequenceParams& params, float dt) {
 TrajectorySetpoint Sequence::setpoint(const SequenceParams& params) const {
     const bool follows_leg = phase_ != Phase::kWait && phase_ != Phase::kDone && !is_blind_;
     if (follows_leg) {
-        return {.position = array_of(leg_.position()),
-                .velocity = array_of(leg_.velocity()),
-                .acceleration = array_of(leg_.acceleration()),
+        return {.position = math::to_array(leg_.position()),
+                .velocity = math::to_array(leg_.velocity()),
+                .acceleration = math::to_array(leg_.acceleration()),
                 .yaw = yaw_,
                 .yawspeed = yaw_rate_};
     }

@@ -25,7 +25,7 @@ struct ImuParameters {
     float gyro_bias = 0.01f;     // rad/s
     float accel_bias = 0.0196f;  // m/s^2
     // Vibration when all rotors turn at hover speed; goes with the square of a rotor's speed. In
-    // flight records noise is 10 to 50 times the data sheet's; this makes 20 (gyro) and 12 (accel).
+    // flight records noise is 10 to 50 times the data sheet's; this makes 19 (gyro) and 12 (accel).
     float gyro_shake = 0.03f;       // rad/s, white
     float accel_shake = 0.8f;       // m/s^2, white
     float gyro_imbalance = 0.015f;  // rad/s, amplitude of each rotor's line

@@ -106,5 +106,5 @@ def _environment() -> jinja2.Environment:
             lstrip_blocks=True,
             keep_trailing_newline=True,
         ))
-        _cached[0].filters.update(one_line=rows.one_line, snake=snake)
+        _cached[0].filters.update(wrapped=rows.wrapped, snake=snake)
     return _cached[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 Row = dict[str, Any]
 WORD_BITS = 64
+COLUMNS = 100
 
 
 # --- messages and ports ---
@@ -48,9 +50,8 @@ def fields(message: Message, defaults: dict[str, str]) -> list[Row]:
     for field in message.fields:
         result.append({
             "name": field.name,
-            "type": _cpp_type(field),
-            "comment": _comment(field),
-            "default": defaults.get(field.name, ""),
+            "line": commented(f"{_cpp_type(field)} {field.name}{{{defaults.get(field.name, '')}}};",
+                              _comment(field)),
             "enum": upper_camel(field.name) if field.values else "",
             "values": [{"name": "k" + upper_camel(k), "value": v} for k, v in field.values],
             "offset": offset,
@@ -79,6 +80,21 @@ def _comment(field: Field) -> str:
     return f"{text} [{unit}]" if unit else text
 
 
+def commented(code: str, comment: str, indent: int = 4) -> str:
+    """A line of code with its comment behind it, or above it where that would be too long."""
+    space = " " * indent
+    line = f"{space}{code}  // {comment}" if comment else space + code
+    if len(line) <= COLUMNS:
+        return line
+    return wrapped(comment, indent) + f"\n{space}{code}"
+
+
+def wrapped(text: str, indent: int = 0) -> str:
+    """Text as // comments."""
+    space = " " * indent + "// "
+    return textwrap.fill(one_line(text), COLUMNS, initial_indent=space, subsequent_indent=space)
+
+
 def one_line(text: str) -> str:
     """Text that stays inside a // comment whatever it holds."""
     return " ".join(text.split()).replace("\\", "/")
@@ -89,13 +105,13 @@ def ports(interface: Interface) -> Row:
     params = interface.params_message
     return {
         "class": interface.class_name,
-        "doc": one_line(interface.doc),
         "headers": sorted(used | ({params.header} if params else set())),
-        "lines": [{"name": name, "doc": one_line(doc)} for name, doc in interface.lines.items()],
-        "inputs": [{"name": p.name, "message": p.message.name, "doc": one_line(p.doc)}
+        "lines": [commented(f"bool {name} = false;", one_line(doc), 8)
+                  for name, doc in interface.lines.items()],
+        "inputs": [commented(f"Input<{p.message.name}> {p.name}{{}};", one_line(p.doc))
                    for p in interface.inputs.values()],
         "params": params.name if params else "",
-        "outputs": [{"name": p.name, "message": p.message.name, "doc": one_line(p.doc)}
+        "outputs": [commented(f"Output<{p.message.name}> {p.name}{{}};", one_line(p.doc))
                     for p in interface.outputs.values()],
     }
 

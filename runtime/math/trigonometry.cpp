@@ -12,10 +12,10 @@ using detail::Coefficients;
 using detail::DoubleWord;
 using detail::ReducedAngle;
 
+// Such an angle needs no reduction. Every function tests for it first, for speed.
 template <typename T>
-ReducedAngle<T> reduced(T x) {
-    if (abs(x) <= kPi<T> / T{4}) return {{x, T{0}}, 0};
-    return detail::reduce_angle(x);
+bool in_first_octant(T x) {
+    return abs(x) <= kPi<T> / T{4};
 }
 
 // Below, sin x = tan x = x to within rounding, which also keeps the sign of a zero.
@@ -43,8 +43,9 @@ T cos_kernel(DoubleWord<T> r) {
 
 template <typename T>
 T sin_of(T x) {
+    if (in_first_octant(x)) return sin_kernel<T>({x, T{0}});
     if (!is_finite(x)) return canonical_nan<T>();
-    const ReducedAngle<T> angle = reduced(x);
+    const ReducedAngle<T> angle = detail::reduce_angle(x);
     const bool odd = (angle.quarter_turns & 1) != 0;
     const T value = odd ? cos_kernel(angle.rest) : sin_kernel(angle.rest);
     return (angle.quarter_turns & 2) != 0 ? -value : value;
@@ -52,8 +53,9 @@ T sin_of(T x) {
 
 template <typename T>
 T cos_of(T x) {
+    if (in_first_octant(x)) return cos_kernel<T>({x, T{0}});
     if (!is_finite(x)) return canonical_nan<T>();
-    const ReducedAngle<T> angle = reduced(x);
+    const ReducedAngle<T> angle = detail::reduce_angle(x);
     const bool odd = (angle.quarter_turns & 1) != 0;
     const T value = odd ? sin_kernel(angle.rest) : cos_kernel(angle.rest);
     return ((angle.quarter_turns + 1) & 2) != 0 ? -value : value;
@@ -61,8 +63,9 @@ T cos_of(T x) {
 
 template <typename T>
 SinCos<T> sincos_of(T x) {
+    if (in_first_octant(x)) return {sin_kernel<T>({x, T{0}}), cos_kernel<T>({x, T{0}})};
     if (!is_finite(x)) return {canonical_nan<T>(), canonical_nan<T>()};
-    const ReducedAngle<T> angle = reduced(x);
+    const ReducedAngle<T> angle = detail::reduce_angle(x);
     const T s = sin_kernel(angle.rest);
     const T c = cos_kernel(angle.rest);
     switch (angle.quarter_turns & 3) {
@@ -98,7 +101,8 @@ template <typename T>
 T tan_of(T x) {
     if (!is_finite(x)) return canonical_nan<T>();
     if (abs(x) < kTiny<T>) return x;
-    const ReducedAngle<T> angle = reduced(x);
+    const ReducedAngle<T> angle =
+        in_first_octant(x) ? ReducedAngle<T>{{x, T{0}}, 0} : detail::reduce_angle(x);
     const DoubleWord<T> s = sin_double_word(angle.rest);
     const DoubleWord<T> c = cos_double_word(angle.rest);
     if ((angle.quarter_turns & 1) == 0) return detail::divide(s, c).high;

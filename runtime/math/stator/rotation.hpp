@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <type_traits>
 
 #include "stator/scalar.hpp"
@@ -35,6 +36,25 @@ struct EulerAngles {
     T pitch;
     T yaw;
 };
+
+// Between the arrays of messages and vectors.
+template <std::floating_point T>
+Vector3<T> vector(const std::array<T, 3>& xyz) {
+    return Vector3<T>(xyz[0], xyz[1], xyz[2]);
+}
+template <std::floating_point T>
+std::array<T, 3> to_array(const Vector3<T>& v) {
+    return {v.x(), v.y(), v.z()};
+}
+// Order w x y z, as in messages.
+template <std::floating_point T>
+Quaternion<T> quaternion(const std::array<T, 4>& wxyz) {
+    return Quaternion<T>(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+}
+template <std::floating_point T>
+std::array<T, 4> to_array(const Quaternion<T>& q) {
+    return {q.w(), q.x(), q.y(), q.z()};
+}
 
 // Euclidean length. Overflows and underflows as its square does.
 template <typename Derived>

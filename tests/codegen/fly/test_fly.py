@@ -18,6 +18,7 @@ def fly(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 def facts_of(finished: subprocess.CompletedProcess[str]) -> dict[str, Any]:
+    assert finished.stdout, finished.stderr
     facts: dict[str, Any] = json.loads(finished.stdout)
     return facts
 

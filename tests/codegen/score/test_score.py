@@ -7,12 +7,14 @@ import csv
 import gzip
 import json
 import os
+import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from stator import score
+from stator.build import build
 
 DATA = Path(os.environ.get("STATOR_DATA", "/nonexistent")) / "broad"
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
@@ -243,3 +245,30 @@ def test_it_is_as_good_as_basic_vqf_on_real_recordings(capsys: pytest.CaptureFix
     assert len(found["recordings"]) == 4
     assert ours["total_deg"] < 1.1 * peer["total_deg"]
     assert ours["inclination_deg"] < 1.1 * peer["inclination_deg"]
+
+
+# --- the replay ---
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        ([], "wrong arguments"),
+        (["--log", "{folder}/log"], "wrong arguments"),
+        (["--recording"], "wrong arguments"),
+        (["--recording", "{folder}/nowhere"], "cannot read the recording '{folder}/nowhere'"),
+        (["--recording", "{folder}/short"], "its size is not that of 14 planes"),
+        (["--recording", "{folder}"], "cannot read the recording"),
+        (["--recording", "{folder}/good", "--log", "{folder}/no/log"], "cannot open"),
+    ],
+)
+def test_the_replay_says_what_is_wrong(arguments: list[str], problem: str, tmp_path: Path) -> None:
+    (tmp_path / "short").write_bytes(bytes(score.PLANES * 4 + 4))
+    (tmp_path / "good").write_bytes(bytes(score.PLANES * 4))
+    program = build(score.GRAPH, score.BOARD)
+    command = [str(program), *(argument.format(folder=tmp_path) for argument in arguments)]
+    result = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert result.returncode == 2
+    assert result.stderr.startswith("error: ")
+    assert problem.format(folder=tmp_path) in result.stderr
+    assert result.stderr.count("\n") == 1
