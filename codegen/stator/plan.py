@@ -7,8 +7,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from stator.collector import without_collector
 from stator.diagnostics import Mark, Report
 from stator.language import DEPTHS, MOST_LEVELS, MOST_LOGGED_BYTES, MOST_SLOTS
 from stator.model import Message, TopicConfig
@@ -61,6 +63,7 @@ class Plan:
         return next(task for task in self.tasks if task.node.name == name)
 
 
+@without_collector
 def plan(graph: Graph, board: Board) -> Plan:
     """Raises `Failed` with every rule that the graph breaks on its board."""
     report = Report()
@@ -96,9 +99,22 @@ class Rates:
     def topic(self, name: str) -> Fraction | None:
         """Mean time between publications, one for each activation of a publisher."""
         if name not in self._of_topics:
-            topic = self.graph.topics[name]
-            self._of_topics[name] = _sum_of_rates([self._periods.get(n) for n in topic.publishers])
+            sums = [
+                _sum_of_rates([self._periods.get(node) for node in together])
+                for together in self._at_one_time(self.graph.topics[name].publishers)
+            ]
+            known = [period for period in sums if period is not None]
+            self._of_topics[name] = min(known) if known and len(known) == len(sums) else None
         return self._of_topics[name]
+
+    def _at_one_time(self, nodes: tuple[str, ...]) -> list[list[str]]:
+        """Those of the nodes that run together, for each mode in which any does."""
+        if len(nodes) == 1 or self.graph.modes is None:
+            return [list(nodes)]
+        sets = list(self.graph.modes.sets.values())
+        always = [name for name in nodes if not any(name in names for names in sets)]
+        together = [[*always, *(name for name in nodes if name in names)] for names in sets]
+        return [names for names in together if names] or [list(nodes)]
 
     def _of_node(self, node: Node) -> Fraction | None:
         periods: list[Fraction | None] = []
@@ -159,8 +175,13 @@ def _levels(graph: Graph, rates: Rates, report: Report) -> dict[str, int]:
     for node in nodes:
         deadline = Fraction(node.deadline_us) if node.deadline_us else rates.node(node.name)
         if deadline is None:
-            report.error(node.mark, "deadline-unknown", f"'{node.name}' has neither a deadline nor a "
-                         "known period to derive its priority from", f"add `deadline:`{_or_irq(node)}")
+            report.error(
+                node.mark,
+                "deadline-unknown",
+                f"'{node.name}' has neither a deadline nor a "
+                "known period to derive its priority from",
+                f"add `deadline:`{_or_irq(node)}",
+            )
         else:
             deadlines[node.name] = deadline
     distinct = sorted(set(deadlines.values()), reverse=True)
@@ -176,15 +197,21 @@ def _or_irq(node: Node) -> str:
     return ", or `min_interarrival:` to the irq that starts its samples on their way"
 
 
-def _refuse_levels(graph: Graph, deadlines: dict[str, Fraction], distinct: list[Fraction],
-                   report: Report) -> None:
-    long, short = min(zip(distinct, distinct[1:], strict=False), key=lambda pair: pair[0] / pair[1])
-    first, second = (next(n for n, deadline in deadlines.items() if deadline == wanted)
-                     for wanted in (short, long))
-    report.error(graph.nodes[second].mark, "priority-levels", f"{len(distinct)} different deadlines "
-                 f"need as many levels, and there are {MOST_LEVELS}",
-                 f"give some nodes the same deadline; closest are '{first}' with {shown(short)} us and "
-                 f"'{second}' with {shown(long)} us")
+def _refuse_levels(
+    graph: Graph, deadlines: dict[str, Fraction], distinct: list[Fraction], report: Report
+) -> None:
+    long, short = min(pairwise(distinct), key=lambda pair: pair[0] / pair[1])
+    first, second = (
+        next(n for n, deadline in deadlines.items() if deadline == wanted)
+        for wanted in (short, long)
+    )
+    report.error(
+        graph.nodes[second].mark,
+        "priority-levels",
+        f"{len(distinct)} different deadlines need as many levels, and there are {MOST_LEVELS}",
+        f"give some nodes the same deadline; closest are '{first}' with {shown(short)} us and "
+        f"'{second}' with {shown(long)} us",
+    )
 
 
 def _order(graph: Graph, board: Board, levels: dict[str, int], report: Report) -> tuple[Task, ...]:
@@ -227,9 +254,12 @@ def _vectors(graph: Graph, board: Board, report: Report) -> dict[str, int]:
             last = node
     if last is not None:
         count = len(known) - len(taken)
-        report.error(last.mark, "vectors-few", f"the nodes need {count + short} spare vectors, and "
-                     f"{board.name} has {count}",
-                     "join nodes, or free vectors of devices that are not used")
+        report.error(
+            last.mark,
+            "vectors-few",
+            f"the nodes need {count + short} spare vectors, and {board.name} has {count}",
+            "join nodes, or free vectors of devices that are not used",
+        )
     return vectors
 
 
@@ -246,8 +276,9 @@ def vector_of(wire: str) -> str:
 # --- topics ---
 
 
-def _topics(graph: Graph, levels: dict[str, int], rates: Rates,
-            report: Report) -> dict[str, TopicPlan]:
+def _topics(
+    graph: Graph, levels: dict[str, int], rates: Rates, report: Report
+) -> dict[str, TopicPlan]:
     logger = next((n for n in graph.nodes.values() if n.interface.reads_log), None)
     plans: dict[str, TopicPlan] = {}
     for topic in graph.topics.values():
@@ -257,13 +288,20 @@ def _topics(graph: Graph, levels: dict[str, int], rates: Rates,
         if message is None:
             continue
         name = f"{node.name}_params"
-        plans[name] = TopicPlan(name, message, (), ((node.name, "params"),), node.name, 1, 2, 0, (),
-                                None, None)
+        plans[name] = TopicPlan(
+            name, message, (), ((node.name, "params"),), node.name, 1, 2, 0, (), None, None
+        )
     return plans
 
 
-def _topic(graph: Graph, topic: GraphTopic, levels: dict[str, int], rates: Rates,
-           logger: Node | None, report: Report) -> TopicPlan:
+def _topic(
+    graph: Graph,
+    topic: GraphTopic,
+    levels: dict[str, int],
+    rates: Rates,
+    logger: Node | None,
+    report: Report,
+) -> TopicPlan:
     period = rates.topic(topic.name)
     log_us = _log(graph, topic, period, logger)
     queue_readers = [node for node, port in topic.readers if graph.nodes[node].inputs[port].queue]
@@ -278,13 +316,27 @@ def _topic(graph: Graph, topic: GraphTopic, levels: dict[str, int], rates: Rates
     slots = slots_needed(topic, levels, reading, depth)
     if slots > MOST_SLOTS:
         mark = topic.config.mark or _output_mark(topic, graph)
-        report.error(mark, "slots-many", f"topic '{topic.name}' "
-                     f"needs {slots} slots, and {MOST_SLOTS} are the most",
-                     f"give it a smaller depth (now {depth}), or its readers and publishers fewer levels")
+        report.error(
+            mark,
+            "slots-many",
+            f"topic '{topic.name}' needs {slots} slots, and {MOST_SLOTS} are the most",
+            f"give it a smaller depth (now {depth}), or its readers and publishers fewer levels",
+        )
     kept_by = tuple(n for n in topic.publishers if any(level > levels[n] for level in reading))
     ceiling = top if len(publishing) > 1 else 0
-    return TopicPlan(topic.name, topic.message, topic.publishers, topic.readers, "", depth, slots,
-                     ceiling, kept_by, log_us, period)
+    return TopicPlan(
+        topic.name,
+        topic.message,
+        topic.publishers,
+        topic.readers,
+        "",
+        depth,
+        slots,
+        ceiling,
+        kept_by,
+        log_us,
+        period,
+    )
 
 
 def slots_needed(topic: GraphTopic, levels: dict[str, int], reading: list[int], depth: int) -> int:
@@ -300,7 +352,9 @@ def slots_needed(topic: GraphTopic, levels: dict[str, int], reading: list[int], 
     return (depth - 1) + max(keep, pins_at_top) + 1 + sum(held.values())
 
 
-def _log(graph: Graph, topic: GraphTopic, period: Fraction | None, logger: Node | None) -> int | None:
+def _log(
+    graph: Graph, topic: GraphTopic, period: Fraction | None, logger: Node | None
+) -> int | None:
     config: TopicConfig = topic.config
     own = logger is not None and logger.name in topic.publishers
     if logger is None or own or config.log == "none" or topic.message.bytes > MOST_LOGGED_BYTES:
@@ -326,19 +380,32 @@ def _depth(topic: GraphTopic, queue_readers: list[str], rates: Rates, report: Re
             needed, slowest = max((needed, slowest), (count, name))
         elif config.depth is None:
             unknown = topic.publishers[0] if published is None else name
-            report.error(mark, "depth-rate-unknown", f"'{name}' reads every sample of '{topic.name}', "
-                         f"and how often '{unknown}' runs is not known", "add `min_interarrival:` to "
-                         f"the irq behind it, or `topics: {{{topic.name}: {{depth: 4}}}}`")
+            report.error(
+                mark,
+                "depth-rate-unknown",
+                f"'{name}' reads every sample of '{topic.name}', "
+                f"and how often '{unknown}' runs is not known",
+                "add `min_interarrival:` to "
+                f"the irq behind it, or `topics: {{{topic.name}: {{depth: 4}}}}`",
+            )
             break
     fitting = next((depth for depth in DEPTHS if depth >= needed), None)
     if fitting is None:
-        report.error(mark, "depth-small", f"'{topic.name}' would need a depth of {needed} for "
-                     f"'{slowest}', and {DEPTHS[-1]} is the most", f"activate '{slowest}' more often, "
-                     "or let it read the latest sample only")
+        report.error(
+            mark,
+            "depth-small",
+            f"'{topic.name}' would need a depth of {needed} for "
+            f"'{slowest}', and {DEPTHS[-1]} is the most",
+            f"activate '{slowest}' more often, or let it read the latest sample only",
+        )
     elif config.depth is not None and config.depth < needed:
-        report.error(mark, "depth-small", f"depth {config.depth} of '{topic.name}' is too small: "
-                     f"{needed} samples can come between two activations of '{slowest}'",
-                     f"write {fitting}, or leave it out")
+        report.error(
+            mark,
+            "depth-small",
+            f"depth {config.depth} of '{topic.name}' is too small: "
+            f"{needed} samples can come between two activations of '{slowest}'",
+            f"write {fitting}, or leave it out",
+        )
     return config.depth or fitting or DEPTHS[-1]
 
 
