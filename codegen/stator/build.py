@@ -15,8 +15,14 @@ class BuildFailed(Exception):
     """CMake or the compiler failed; the message is what they said."""
 
 
-def build(graph: Path, board: str | None, *, compiler: str = "", optimisation: str = "",
-          preemption_points: bool = False) -> Path:
+def build(
+    graph: Path,
+    board: str | None,
+    *,
+    compiler: str = "",
+    optimisation: str = "",
+    preemption_points: bool = False,
+) -> Path:
     """The executable of the graph on this board (its own if None), built anew where needed.
     `preemption_points`: for runs in which activations take time.
 
@@ -26,8 +32,11 @@ def build(graph: Path, board: str | None, *, compiler: str = "", optimisation: s
     name = f"{plan.graph.name}-{plan.board.name}"
     parts = (compiler, optimisation.strip("-"), "preemption" if preemption_points else "")
     variant = "".join(f"-{part}" for part in parts if part)
-    options = [f"-DSTATOR_GRAPH={plan.graph.file}", f"-DSTATOR_BOARD={plan.board.name}",
-               "-DSTATOR_TESTS=OFF"]
+    options = [
+        f"-DSTATOR_GRAPH={plan.graph.file}",
+        f"-DSTATOR_BOARD={plan.board.name}",
+        "-DSTATOR_TESTS=OFF",
+    ]
     if preemption_points:
         options.append("-DSTATOR_PREEMPTION_POINTS=ON")
     if compiler:
@@ -64,5 +73,7 @@ def _run(command: list[str]) -> None:
         lines = (result.stdout + result.stderr).splitlines()
         first = next((i for i, line in enumerate(lines) if "error" in line.lower()), 0)
         shown = "\n".join(lines[max(0, first - 2) : first + 40])
-        raise BuildFailed(f"{shown}\nerror: the build failed\nhint: the whole output: "
-                          + " ".join(f"'{part}'" if " " in part else part for part in command))
+        raise BuildFailed(
+            f"{shown}\nerror: the build failed\nhint: the whole output: "
+            + " ".join(f"'{part}'" if " " in part else part for part in command)
+        )

@@ -44,6 +44,13 @@ def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
     assert record is not None
     if record.get("nodes") is None:
         report.stop_on_errors()
+    if not record.get("nodes").keys:
+        report.error(
+            record.keys["nodes"],
+            "out-of-range",
+            "a graph has at least one node",
+            "for example `counter: {trigger: {every: 10 ms}}`",
+        )
 
     library = Library(path.parent, report)
     own, board = _boards(record, board_name, library)

@@ -21,12 +21,18 @@ _PALE = (0xF4, 0xF1, 0xEA)
 def draw(plan: Plan, file: Path) -> str:
     """Writes the picture; returns what went wrong, or nothing."""
     if file.suffix not in FORMATS:
-        return f"error: '{file.name}' ends in none of {', '.join(FORMATS)}\nhint: for example quad.svg"
+        return (
+            f"error: '{file.name}' ends in none of {', '.join(FORMATS)}\nhint: for example quad.svg"
+        )
     text = dot(plan)
     if file.suffix != ".dot":
         try:
-            drawn = subprocess.run(["dot", f"-T{file.suffix[1:]}"], input=text.encode(), check=True,
-                                   capture_output=True).stdout
+            drawn = subprocess.run(
+                ["dot", f"-T{file.suffix[1:]}"],
+                input=text.encode(),
+                check=True,
+                capture_output=True,
+            ).stdout
         except FileNotFoundError:
             return "error: 'dot' is missing\nhint: apt-get install graphviz"
         except subprocess.CalledProcessError as error:
@@ -48,7 +54,7 @@ def dot(plan: Plan) -> str:
         '  node [shape=box, style="rounded,filled", fontname="Helvetica", fontsize=11, '
         'color="#5b5b5b", penwidth=0.8];',
         '  edge [fontname="Helvetica", fontsize=9, color="#7a7a7a", fontcolor="#4a4a4a", '
-        'arrowsize=0.6];',
+        "arrowsize=0.6];",
     ]
     lines += [_node(plan, task) for task in plan.tasks]
     for topic in plan.topics.values():
@@ -69,8 +75,10 @@ def _node(plan: Plan, task: Task) -> str:
     node = task.node
     levels = sorted({t.level for t in plan.tasks})
     share = (levels.index(task.level) + 1) / len(levels)
-    colour = "#" + "".join(f"{round(p + (u - p) * share):02x}" for p, u in zip(_PALE, _URGENT))
+    colour = "#" + "".join(
+        f"{round(p + (u - p) * share):02x}" for p, u in zip(_PALE, _URGENT, strict=True)
+    )
     below = triggers_text(node) if any(t.kind != "topic" for t in node.triggers) else ""
     label = f"{node.name}\\nlevel {task.level}" + (f"\\n{below}" if below else "")
-    shape = ', shape=cds, style=filled' if node.device is not None else ""
+    shape = ", shape=cds, style=filled" if node.device is not None else ""
     return f'  {node.name} [label="{label}", fillcolor="{colour}"{shape}];'
