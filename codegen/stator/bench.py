@@ -59,9 +59,8 @@ def _show(figures: list[Figure]) -> None:
     width = max(len(figure.what) for figure in figures)
     for figure in figures:
         verdict = "met" if figure.met else "NOT MET"
-        print(
-            f"{figure.what:<{width}}  {figure.value:10.4g} {figure.unit:<6} {figure.bound:<28} {verdict}"
-        )
+        value = f"{figure.value:10.4g} {figure.unit:<6}"
+        print(f"{figure.what:<{width}}  {value} {figure.bound:<24} {verdict}")
     print("machine: shared and noisy runs vary; compare figures of one run only")
 
 

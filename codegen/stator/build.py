@@ -8,11 +8,8 @@ import sys
 from pathlib import Path
 
 from stator.cli import make_plan
+from stator.diagnostics import BuildFailed
 from stator.library import HOME
-
-
-class BuildFailed(Exception):
-    """CMake or the compiler failed; the message is what they said."""
 
 
 def build(

@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stator.diagnostics import Failed, shown_path
+from stator.diagnostics import BuildFailed, Failed, shown_path
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,6 +40,9 @@ def main(argv: list[str]) -> int:
         return _run(argv)
     except Failed as failed:
         show_errors(failed)
+        return 1
+    except BuildFailed as failed:
+        print(failed, file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("stator: interrupted", file=sys.stderr)

@@ -69,6 +69,10 @@ class Failed(Exception):
         self.errors = errors
 
 
+class BuildFailed(Exception):
+    """CMake or the compiler failed; the message is what they said."""
+
+
 class Report:
     """Collects errors, so that a user sees all of them, in order of position."""
 

@@ -12,8 +12,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stator.build import BuildFailed, build
-from stator.diagnostics import shown_path
+from stator.build import build
+from stator.diagnostics import BuildFailed, shown_path
 from stator.library import HOME
 
 if TYPE_CHECKING:
