@@ -2,46 +2,42 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stator.cli import make_plan
 from stator.diagnostics import BuildFailed
 from stator.library import HOME
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
 
-def build(
-    graph: Path,
-    board: str | None,
-    *,
-    compiler: str = "",
-    optimisation: str = "",
-    preemption_points: bool = False,
-) -> Path:
+PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # for runs in which activations take time
+
+
+def build(graph: Path, board: str | None, variant: Mapping[str, str] | None = None) -> Path:
     """The executable of the graph on this board (its own if None), built anew where needed.
-    `preemption_points`: for runs in which activations take time.
+    `variant`: CMake variables that differ from the defaults, such as another compiler.
 
     Raises `Failed` for an error in the graph, `BuildFailed` for one in the code.
     """
     plan = make_plan(str(graph), board)
-    name = f"{plan.graph.name}-{plan.board.name}"
-    parts = (compiler, optimisation.strip("-"), "preemption" if preemption_points else "")
-    variant = "".join(f"-{part}" for part in parts if part)
+    variant = variant or {}
+    names = [key if value == "ON" else value for key, value in variant.items()]
+    words = [plan.graph.name, plan.board.name, *(re.sub(r"\W+", "_", name) for name in names)]
+    name = "-".join(word.strip("_") for word in words)
     options = [
         f"-DSTATOR_GRAPH={plan.graph.file}",
         f"-DSTATOR_BOARD={plan.board.name}",
         "-DSTATOR_TESTS=OFF",
+        *(f"-D{key}={value}" for key, value in variant.items()),
     ]
-    if preemption_points:
-        options.append("-DSTATOR_PREEMPTION_POINTS=ON")
-    if compiler:
-        options.append(f"-DCMAKE_CXX_COMPILER={compiler}")
-    if optimisation:
-        options.append(f"-DSTATOR_OPTIMIZE={optimisation}")
-    _one_line(f"building {name}{variant} ...")
-    folder = HOME / "build" / f"{name}{variant}"
+    _one_line(f"building {name} ...")
+    folder = HOME / "build" / name
     configure(folder, options, ["graph_program"])
     return folder / "graph_program"
 

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stator.build import build
+from stator.build import PREEMPTION, build
 from stator.diagnostics import BuildFailed, shown_path
 from stator.library import HOME
 
@@ -70,7 +70,7 @@ def main(arguments: argparse.Namespace) -> int:
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     try:
         program = build(
-            arguments.graph, arguments.board, preemption_points=arguments.times == "random"
+            arguments.graph, arguments.board, PREEMPTION if arguments.times == "random" else None
         )
     except BuildFailed as failed:
         print(failed, file=sys.stderr)
