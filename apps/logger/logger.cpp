@@ -14,7 +14,9 @@ constexpr size_t kFlagBytes = 40;
 constexpr uint32_t kCanonicalNan = 0x7FC00000;
 constexpr uint64_t kCanonicalNanDouble = 0x7FF8000000000000;
 
-uint16_t text_bytes(const char* text) { return static_cast<uint16_t>(std::strlen(text)); }
+uint16_t text_bytes(const char* text) {
+    return static_cast<uint16_t>(std::strlen(text));
+}
 
 // Replaces any NaN of `Bits`-wide numbers by the canonical one: sign and payload of a NaN differ
 // between machines. `exponent` has the bits that are all ones in infinities and NaNs.

@@ -23,7 +23,8 @@ class Logger {
     void write_parameter(LoggerPorts& ports, const LogParameter& parameter);
     void write_info(LoggerPorts& ports, const char* key, const char* text);
     void write_samples(LoggerPorts& ports);
-    void write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id, const std::byte* sample);
+    void write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id,
+                      const std::byte* sample);
     void write_dropout(LoggerPorts& ports, uint64_t duration_us);
 
     void begin(LoggerPorts& ports, char type, size_t bytes);

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
-from stator.cli import make_plan
+from stator.cli import make_buildable_plan
 from stator.diagnostics import BuildFailed
 from stator.library import HOME
 
@@ -25,7 +25,7 @@ def build(graph: Path, board: str | None, variant: Mapping[str, str] | None = No
 
     Raises `Failed` for an error in the graph, `BuildFailed` for one in the code.
     """
-    plan = make_plan(str(graph), board)
+    plan = make_buildable_plan(str(graph), board)
     variant = variant or {}
     names = [key if value == "ON" else value for key, value in variant.items()]
     words = [plan.graph.name, plan.board.name, *(re.sub(r"\W+", "_", name) for name in names)]

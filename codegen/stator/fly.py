@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.build import PREEMPTION, build
-from stator.diagnostics import BuildFailed, shown_path
+from stator.cli import path
+from stator.diagnostics import UserError, shown_path
 from stator.library import HOME
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="zero",
         help="let activations take time, so that others preempt them (default: zero)",
     )
-    parser.add_argument("-o", "--output", type=Path, metavar="LOG", help="where to keep the log")
+    parser.add_argument("-o", "--output", type=path, metavar="LOG", help="where to keep the log")
     parser.add_argument("--json", action="store_true", help="print what programs read")
 
 
@@ -72,7 +73,7 @@ def main(arguments: argparse.Namespace) -> int:
         program = build(
             arguments.graph, arguments.board, PREEMPTION if arguments.times == "random" else None
         )
-    except BuildFailed as failed:
+    except UserError as failed:
         print(failed, file=sys.stderr)
         return 2
     with _progress(f"flying {arguments.graph.stem}, seed {arguments.seed} ..."):

@@ -166,6 +166,13 @@ class Node:
     params: dict[str, Value]
     mark: Mark
 
+    def way_of(self, source: NodeInput) -> str:
+        """How the node reads an input: trigger, thinned, queue or latest."""
+        trigger = self.trigger_of(source.topic)
+        if trigger is not None:
+            return "thinned" if trigger.is_thinned else "trigger"
+        return "queue" if source.queue else "latest"
+
     def trigger_of(self, topic: str) -> Trigger | None:
         """The topic trigger on this topic, if the node has one."""
         return next((t for t in self.triggers if t.kind == "topic" and t.name == topic), None)

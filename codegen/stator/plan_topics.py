@@ -155,7 +155,12 @@ def _depth(topic: GraphTopic, queue_readers: list[str], rates: Rates, report: Re
             "depth-small",
             f"'{topic.name}' would need a depth of {needed} for "
             f"'{slowest}', and {DEPTHS[-1]} is the most",
-            f"activate '{slowest}' more often, or let it read the latest sample only",
+            f"activate '{slowest}' more often, or "
+            + (
+                "let it read the latest sample only"
+                if any(name == slowest for name, _ in topic.readers)
+                else f"write `topics: {{{topic.name}: {{log: 50 Hz}}}}`"
+            ),
         )
     elif config.depth is not None and config.depth < needed:
         report.error(

@@ -56,15 +56,17 @@ inline bool accept_line(LineState& line, uint64_t clock_us, uint32_t min_interar
     return !drop;
 }
 
-// Whether a task runs in the present mode. Odd: it does. The switch counts up; the task's own wrapper
-// sees the new number at its next entry and constructs its node anew, as a suspended job may still
-// be using the old one.
+// Whether a task runs in the present mode. Odd: it does. The switch counts up; the task's own
+// wrapper sees the new number at its next entry and constructs its node anew, as a suspended job
+// may still be using the old one.
 struct ModeGate {
     Shared<uint32_t> epoch;
     uint32_t seen = 0;
 };
 
-constexpr uint64_t later(uint64_t a, uint64_t b) { return a < b ? b : a; }
+constexpr uint64_t later(uint64_t a, uint64_t b) {
+    return a < b ? b : a;
+}
 
 // Counts for `top`, the report and the proof's watch.
 struct TaskCounters {
