@@ -58,7 +58,8 @@ class Message:
 class Port:
     name: str
     message: Message
-    optional: bool
+    optional: bool  # an input
+    burst: int  # of an output: most publications of one activation
     doc: str
 
 

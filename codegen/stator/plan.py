@@ -57,7 +57,6 @@ def plan(graph: Graph, board: Board) -> Plan:
     rates = Rates(graph)
     levels = _levels(graph, rates, report)
     report.stop_on_errors()
-    _check_log_sink(graph, levels, report)
     tasks = _order(graph, graph.board, levels, report)
     replanned = False
     if board.chip is not None and board.name != graph.board.name:
@@ -93,22 +92,6 @@ def _levels(graph: Graph, rates: Rates, report: Report) -> dict[str, int]:
         _refuse_levels(graph, deadlines, distinct, report)
     level_of = {deadline: i + 1 for i, deadline in enumerate(distinct)}
     return {name: level_of[deadline] for name, deadline in deadlines.items()}
-
-
-def _check_log_sink(graph: Graph, levels: dict[str, int], report: Report) -> None:
-    """A logger publishes several blocks in one activation; each must be taken before the next."""
-    for logger in graph.nodes.values():
-        if not logger.interface.reads_log:
-            continue
-        topics = [graph.topics[output.topic] for output in logger.outputs.values()]
-        for reader in [name for topic in topics for name, _ in topic.readers]:
-            if levels[reader] <= levels[logger.name]:
-                report.error(
-                    graph.nodes[reader].mark,
-                    "log-sink",
-                    f"'{reader}' takes what '{logger.name}' logs, so it must be more urgent",
-                    "give it a higher priority, or a shorter deadline where there are none",
-                )
 
 
 def _or_irq(node: Node) -> str:

@@ -63,7 +63,6 @@ RULES = {
     "param-unknown": "the app has no such parameter",
     "param-range": "a parameter outside its range",
     "log-many": "more than one logger",
-    "log-sink": "the log's sink is no more urgent than the logger",
     "log-large": "a message too large for a block of the log",
     # triggers
     "trigger-kind": "a trigger is one of irq, topic, every",
