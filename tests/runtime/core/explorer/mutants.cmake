@@ -53,8 +53,8 @@ stator_add_mutant(pin_not_marked
     TO ""
     RUN --depth 1 "1r 2w")
 stator_add_mutant(release_omitted
-    FROM "{ topic.state->free.store(pin.saved_free); }"
-    TO "{ static_cast<void>(topic), static_cast<void>(pin); }"
+    FROM "{\n    topic.state->free.store(pin.saved_free);\n}"
+    TO "{\n    static_cast<void>(topic), static_cast<void>(pin);\n}"
     RUN --depth 1 "1r 2w")
 stator_add_mutant(release_sets_the_bit
     FROM "topic.state->free.store(pin.saved_free);"
