@@ -6,7 +6,6 @@ The checker, the JSON Schema for editors and the reference are all made from thi
 from __future__ import annotations
 
 from stator.shapes import (
-    Anything,
     Boolean,
     NAME_PATTERN,
     Choice,
@@ -208,16 +207,26 @@ BOARD = Struct(
                     "The chip's file below boards/, without .yaml."),
         "reserved_vectors": Key(Listing(Text("[a-z0-9_]{1,40}", "a vector")),
                                 "Vectors the board itself needs; no task gets them."),
+        "interrupts": Key(Listing(Text("[a-z0-9_]{1,40}", "a vector")),
+                          "Vectors whose handlers are the board's own code; no task gets them."),
         "devices": Key(Table(DEVICE, "a device"), "The devices and what drives them.", required=True),
+    }
+)
+MEMORY = Struct(
+    {
+        "at": Key(Text("0x[0-9A-Fa-f]{1,8}", "an address", hint='write it as "0x20000000"'),
+                  "Where it begins.", required=True),
+        "bytes": Key(Integer(1, 2**32 - 1), "How large it is.", required=True),
     }
 )
 CHIP = Struct(
     {
         "doc": Key(Text(), "The chip, and the manual behind this file."),
         "core": Key(Text(), "The core.", required=True),
-        "clock": Key(Text(what="a frequency"), "Core clock.", required=True),
+        "clock": Key(Text(r"[1-9][0-9]{0,3} MHz", "a frequency", hint="write whole megahertz, such as 168 MHz"),
+                     "Core clock.", required=True),
         "priority_bits": Key(Integer(2, 8), "Bits of an NVIC priority.", required=True),
-        "memory": Key(Table(Anything(), "a memory"), "Name: {at, bytes}."),
+        "memory": Key(Table(MEMORY, "a memory"), "Name: {at, bytes}. An image needs flash, ram and ccm."),
         "vectors": Key(Table(Integer(0, 239), "a vector", key_pattern=NAME_PATTERN),
                        "Interrupt lines the chip really has.", required=True),
     }
