@@ -15,19 +15,33 @@ class BuildFailed(Exception):
     """CMake or the compiler failed; the message is what they said."""
 
 
-def build(graph: Path, board: str | None, *, compiler: str = "", optimisation: str = "",
-          preemption_points: bool = False) -> Path:
+TOOLCHAIN = HOME / "codegen" / "cmake" / "cortex_m4f.cmake"
+INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate"}
+
+
+def build(graph: Path, board: str | None, *, executor: str = "", compiler: str = "",
+          optimisation: str = "", preemption_points: bool = False, sleep: bool = False) -> Path:
     """The executable of the graph on this board (its own if None), built anew where needed.
-    `preemption_points`: for runs in which activations take time.
+    `executor`: the only one that will do. `preemption_points`: for runs in which activations take
+    time. `sleep`: on bare metal, sleeps when idle.
 
     Raises `Failed` for an error in the graph, `BuildFailed` for one in the code.
     """
     plan = make_plan(str(graph), board)
+    if executor and plan.board.executor != executor:
+        raise BuildFailed(f"error: board '{plan.board.name}' runs on the executor "
+                          f"{plan.board.executor}, not {executor}" + _instead(plan.board.executor))
+    bare = plan.board.executor == "cortex_m"
     name = f"{plan.graph.name}-{plan.board.name}"
-    parts = (compiler, optimisation.strip("-"), "preemption" if preemption_points else "")
+    parts = (compiler, optimisation.strip("-"), "preemption" if preemption_points else "",
+             "sleep" if sleep else "")
     variant = "".join(f"-{part}" for part in parts if part)
     options = [f"-DSTATOR_GRAPH={plan.graph.file}", f"-DSTATOR_BOARD={plan.board.name}",
                "-DSTATOR_TESTS=OFF"]
+    if bare:
+        options.append(f"-DCMAKE_TOOLCHAIN_FILE={TOOLCHAIN}")
+    if sleep:
+        options.append("-DSTATOR_SLEEP=ON")
     if preemption_points:
         options.append("-DSTATOR_PREEMPTION_POINTS=ON")
     if compiler:
@@ -37,7 +51,18 @@ def build(graph: Path, board: str | None, *, compiler: str = "", optimisation: s
     _one_line(f"building {name}{variant} ...")
     folder = HOME / "build" / f"{name}{variant}"
     configure(folder, options, ["graph_program"])
-    return folder / "graph_program"
+    return folder / ("graph_program.elf" if bare else "graph_program")
+
+
+def build_plant() -> Path:
+    """The simulated world that emulated firmware flies in, as a program of this machine."""
+    folder = HOME / "build" / "plant"
+    configure(folder, ["-DSTATOR_TESTS=OFF"], ["plant_server"])
+    return folder / "boards" / "qemu_f405" / "plant" / "plant_server"
+
+
+def _instead(executor: str) -> str:
+    return f"\nhint: {INSTEAD[executor]} flies it" if executor in INSTEAD else ""
 
 
 def configure(folder: Path, options: list[str], targets: list[str]) -> None:

@@ -57,6 +57,18 @@ void enable_vectors() {
     }
 }
 
+// Not inlined: the compiler takes the block for a few bytes, and would branch too far around it.
+[[noreturn, gnu::noinline]] void idle() {
+    while (true) {
+#ifdef STATOR_SLEEP
+        asm volatile("wfi" ::: "memory");
+#else
+        // An emulator runs a long block at once, and a short loop slowly.
+        asm volatile(".rept 128\n\tnop\n\t.endr" ::: "memory");
+#endif
+    }
+}
+
 [[noreturn, gnu::noinline]] void run() {
     fill_memory();
     enable_faults();
@@ -66,14 +78,7 @@ void enable_vectors() {
     enable_vectors();
     board::start();
     stator_release();  // what is due at the start; arms SysTick
-    while (true) {
-#ifdef STATOR_SLEEP
-        asm volatile("wfi" ::: "memory");
-#else
-        // An emulator runs a long block at once, and a short loop slowly.
-        asm volatile(".rept 128\n\tnop\n\t.endr" ::: "memory");
-#endif
-    }
+    idle();
 }
 
 }  // namespace

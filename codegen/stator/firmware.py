@@ -1,0 +1,94 @@
+"""What `./stator build` does: the image of a graph on a board, checked, and what each part takes."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from stator.build import BuildFailed, build
+from stator.diagnostics import shown_path
+from stator.image_checks import faults_of
+
+TOOLS = "arm-none-eabi-"
+PARTS = ("flash", "ram")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("graph", type=Path, help="a graph file, such as graph/quad.yaml")
+    parser.add_argument("--board", help="another board than the graph's own")
+    parser.add_argument("--sleep", action="store_true", help="sleep when idle, instead of spinning")
+    parser.add_argument("--json", action="store_true", help="print what programs read")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    try:
+        image = build(
+            arguments.graph, arguments.board, executor="cortex_m", sleep=arguments.sleep
+        )
+    except BuildFailed as failed:
+        print(failed, file=sys.stderr)
+        return 2
+    faults = faults_of(image)
+    if faults:
+        print("\n".join(f"error: {fault}" for fault in faults), file=sys.stderr)
+        return 1
+    files = {"elf": image, "bin": _convert(image, "binary", ".bin"),
+             "hex": _convert(image, "ihex", ".hex")}
+    sizes = sizes_of(image.with_name(image.name + ".map"))
+    total = [sum(size[i] for size in sizes.values()) for i in range(len(PARTS))]
+    if arguments.json:
+        facts: dict[str, object] = {key: str(path) for key, path in files.items()}
+        facts |= {"flash_bytes": total[0], "ram_bytes": total[1]}
+        facts["parts"] = {name: dict(zip(("flash_bytes", "ram_bytes"), size, strict=True))
+                          for name, size in sizes.items()}
+        print(json.dumps(facts, indent=2))
+        return 0
+    width = max(map(len, sizes))
+    print(f"{'':{width}}  {'flash':>8}  {'ram':>8}")
+    for name, size in [*sizes.items(), ("all", tuple(total))]:
+        print(f"{name:{width}}  {size[0]:8,}  {size[1]:8,}")
+    print("\n".join(f"{shown_path(path)}" for path in files.values()))
+    return 0
+
+
+def _convert(image: Path, kind: str, suffix: str) -> Path:
+    result = image.with_suffix(suffix)
+    subprocess.run([TOOLS + "objcopy", "-O", kind, image, result], check=True)
+    return result
+
+
+_SECTION = re.compile(
+    r"^ (\.[\w.]*|COMMON)\S*\s+0x([0-9a-f]{8,16})\s+0x([0-9a-f]+)\s+(\S.*)$", re.MULTILINE)
+
+
+def sizes_of(map_file: Path) -> dict[str, tuple[int, int]]:
+    """Bytes of flash and RAM of each part, the largest first, from the linker's map. Initialised data
+    takes both; the stack is not in it."""
+    text = map_file.read_text(encoding="utf-8")
+    text = text[text.index("Linker script and memory map"):].replace("\n                ", " ")
+    found: dict[str, list[int]] = {}
+    for section, address, size, file in _SECTION.findall(text):
+        if int(address, 16) == 0 or section.startswith((".debug", ".comment", ".ARM")):
+            continue
+        part = found.setdefault(_part(file), [0, 0])
+        kind = section.split(".")[1] if "." in section else "bss"
+        part[0] += int(size, 16) if kind != "bss" else 0
+        part[1] += int(size, 16) if kind in ("bss", "data") else 0
+    return {name: (sizes[0], sizes[1])
+            for name, sizes in sorted(found.items(), key=lambda item: (-item[1][0], item[0]))}
+
+
+def _part(file: str) -> str:
+    """The folder that an object file comes from, as a person calls it."""
+    library = re.search(r"lib(graph_program_|stator_)?(\w+)\.a\(", file)
+    if library:
+        prefix, name = library.groups()
+        names = {"graph_program_": name, "stator_": f"runtime/{name}"}
+        return names.get(prefix, "compiler's libraries")
+    if "graph_program_generated" in file:
+        return "generated"
+    return "board" if "/boards/" in file else "compiler's libraries"
