@@ -96,8 +96,8 @@ def find_emulator() -> Emulator:
 
 def _hint() -> str:
     return (
-        "hint: QEMU 10 or newer is needed; on Debian 12 it is in bookworm-backports (./stator setup "
-        "installs it). One that is elsewhere: STATOR_QEMU=/path/to/qemu-system-arm"
+        "hint: QEMU 10 or newer is needed; on Debian 12: apt-get install -t bookworm-backports "
+        "qemu-system-arm\nhint: one that is elsewhere: STATOR_QEMU=/path/to/qemu-system-arm"
     )
 
 
@@ -116,7 +116,7 @@ def qemu_command(emulator: Emulator, image: Path) -> list[str]:
 def fly(
     emulator: Emulator, image: Path, plant: list[str], log: Path
 ) -> subprocess.CompletedProcess[str]:
-    """Runs both sides to their end. The result is the plant's, with what went wrong on either side."""
+    """Runs both sides to their end. The result is the plant's, with the complaints of both."""
     (HOME / "build").mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="emulate-", dir=HOME / "build") as name:
         folder = Path(name)

@@ -1,4 +1,4 @@
-"""What `./stator build` does: the image of a graph on a board, checked, and what each part takes."""
+"""What `./stator build` does: the image of a graph, checked, and what each part takes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from stator.diagnostics import shown_path
 from stator.image_checks import faults_of
 
 TOOLS = "arm-none-eabi-"
-PARTS = ("flash", "ram")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +38,7 @@ def main(arguments: argparse.Namespace) -> int:
     files = {"elf": image, "bin": _convert(image, "binary", ".bin"),
              "hex": _convert(image, "ihex", ".hex")}
     sizes = sizes_of(image.with_name(image.name + ".map"))
-    total = [sum(size[i] for size in sizes.values()) for i in range(len(PARTS))]
+    total = total_of(image)
     if arguments.json:
         facts: dict[str, object] = {key: str(path) for key, path in files.items()}
         facts |= {"flash_bytes": total[0], "ram_bytes": total[1]}
@@ -49,10 +48,18 @@ def main(arguments: argparse.Namespace) -> int:
         return 0
     width = max(map(len, sizes))
     print(f"{'':{width}}  {'flash':>8}  {'ram':>8}")
-    for name, size in [*sizes.items(), ("all", tuple(total))]:
+    for name, size in [*sizes.items(), ("image", total)]:
         print(f"{name:{width}}  {size[0]:8,}  {size[1]:8,}")
     print("\n".join(f"{shown_path(path)}" for path in files.values()))
     return 0
+
+
+def total_of(image: Path) -> tuple[int, int]:
+    """Bytes of flash and RAM. Parts may add up to a little more: the linker merges equal texts."""
+    lines = subprocess.run([TOOLS + "size", "-A", image], check=True, capture_output=True,
+                           text=True).stdout.splitlines()
+    size = {line.split()[0]: int(line.split()[1]) for line in lines if line.startswith(".")}
+    return size[".text"] + size[".data"], size[".data"] + size[".bss"]
 
 
 def _convert(image: Path, kind: str, suffix: str) -> Path:
@@ -66,8 +73,8 @@ _SECTION = re.compile(
 
 
 def sizes_of(map_file: Path) -> dict[str, tuple[int, int]]:
-    """Bytes of flash and RAM of each part, the largest first, from the linker's map. Initialised data
-    takes both; the stack is not in it."""
+    """Bytes of flash and RAM of each part, the largest first, from the linker's map. Initialised
+    data takes both; the stack is not in it."""
     text = map_file.read_text(encoding="utf-8")
     text = text[text.index("Linker script and memory map"):].replace("\n                ", " ")
     found: dict[str, list[int]] = {}

@@ -124,7 +124,9 @@ def _run(
     return subprocess.run(command, check=False, capture_output=True, text=True)
 
 
-def facts_of(finished: subprocess.CompletedProcess[str], log: Path, truth: Path) -> dict[str, object]:
+def facts_of(
+    finished: subprocess.CompletedProcess[str], log: Path, truth: Path
+) -> dict[str, object]:
     """What `--json` prints. A fact that there is none of is None."""
     facts: dict[str, object] = {
         "success": False,

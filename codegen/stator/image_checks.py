@@ -1,4 +1,4 @@
-"""What no image may hold: the linker's symbols and the instructions say it, whatever the source says."""
+"""What no image may hold: its symbols and instructions say it, whatever the source says."""
 
 from __future__ import annotations
 
@@ -22,13 +22,11 @@ FORBIDDEN = {
         "double precision, which this chip has no instructions for",
 }
 # From newlib's libm; our own are in stator::math, so that a plain C name is none of ours.
-LIBM = frozenset(
-    f"{name}{suffix}" for suffix in ("", "f", "l") for name in
-    """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs
-    fdim floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2
-    logb lrint lround modf nearbyint nextafter pow remainder remquo rint round scalbln scalbn sin sinh
-    sincos sqrt tan tanh tgamma trunc""".split()
-)
+NAMES = """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2
+    expm1 fabs fdim floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10
+    log1p log2 logb lrint lround modf nearbyint nextafter pow remainder remquo rint round scalbln
+    scalbn sin sinh sincos sqrt tan tanh tgamma trunc"""
+LIBM = frozenset(f"{name}{suffix}" for suffix in ("", "f", "l") for name in NAMES.split())
 # PRIMASK and FAULTMASK keep out even what touches no topic. A write of them is CPS or MSR.
 MASKS = re.compile(r"^\s*[0-9a-f]+:\s.*\t(cps(id|ie)\b.*|msr\s+(primask|faultmask).*)$",
                    re.IGNORECASE)
