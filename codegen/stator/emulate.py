@@ -13,7 +13,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from stator.build import BuildFailed, build, build_plant
+from stator.build import BuildFailed, build_plant
+from stator.firmware import build_image
 from stator.fly import add_flight_arguments, default_log, facts_of, progress, report
 from stator.library import HOME
 
@@ -53,9 +54,7 @@ def main(arguments: argparse.Namespace) -> int:
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     try:
         emulator = find_emulator()
-        image = build(
-            arguments.graph, arguments.board, executor="cortex_m", sleep=arguments.sleep
-        )
+        image = build_image(arguments.graph, arguments.board, sleep=arguments.sleep)
         plant = build_plant()
     except (BuildFailed, NoEmulator) as failed:
         print(failed, file=sys.stderr)

@@ -25,16 +25,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     try:
-        image = build(
-            arguments.graph, arguments.board, executor="cortex_m", sleep=arguments.sleep
-        )
+        image = build_image(arguments.graph, arguments.board, sleep=arguments.sleep)
     except BuildFailed as failed:
         print(failed, file=sys.stderr)
         return 2
-    faults = faults_of(image)
-    if faults:
-        print("\n".join(f"error: {fault}" for fault in faults), file=sys.stderr)
-        return 1
     files = {"elf": image, "bin": _convert(image, "binary", ".bin"),
              "hex": _convert(image, "ihex", ".hex")}
     sizes = sizes_of(image.with_name(image.name + ".map"))
@@ -52,6 +46,15 @@ def main(arguments: argparse.Namespace) -> int:
         print(f"{name:{width}}  {size[0]:8,}  {size[1]:8,}")
     print("\n".join(f"{shown_path(path)}" for path in files.values()))
     return 0
+
+
+def build_image(graph: Path, board: str | None, *, sleep: bool = False) -> Path:
+    """The graph's image for bare metal. Raises `BuildFailed` if it holds what no image may."""
+    image = build(graph, board, executor="cortex_m", sleep=sleep)
+    faults = faults_of(image)
+    if faults:
+        raise BuildFailed("\n".join(f"error: {fault}" for fault in faults))
+    return image
 
 
 def total_of(image: Path) -> tuple[int, int]:

@@ -28,8 +28,7 @@ NAMES = """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh er
     scalbn sin sinh sincos sqrt tan tanh tgamma trunc"""
 LIBM = frozenset(f"{name}{suffix}" for suffix in ("", "f", "l") for name in NAMES.split())
 # PRIMASK and FAULTMASK keep out even what touches no topic. A write of them is CPS or MSR.
-MASKS = re.compile(r"^\s*[0-9a-f]+:\s.*\t(cps(id|ie)\b.*|msr\s+(primask|faultmask).*)$",
-                   re.IGNORECASE)
+MASKS = re.compile(r"\t(cps(id|ie)\b|msr\s+(primask|faultmask)\b)", re.IGNORECASE)
 BASEPRI = re.compile(r"\tmsr\s+basepri(_max)?\b", re.IGNORECASE)
 FUNCTION = re.compile(r"^[0-9a-f]+ <(.+)>:$")
 # The topic operations that several publishing levels need; `wake` for their thinned subscribers.
@@ -57,7 +56,7 @@ def _instruction_faults(image: Path) -> list[str]:
         if start:
             function = start.group(1)
         elif MASKS.match(line):
-            faults.append(f"{function} masks all interrupts: {line.split(chr(9), 1)[-1].strip()}")
+            faults.append(f"{function} masks all interrupts: {' '.join(line.split()[1:])}")
         elif BASEPRI.search(line) and not function.startswith(SECTIONS):
             faults.append(f"{function} writes BASEPRI, which only topic operations may")
     return faults
