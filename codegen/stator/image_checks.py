@@ -55,7 +55,7 @@ def _instruction_faults(image: Path) -> list[str]:
         start = FUNCTION.match(line)
         if start:
             function = start.group(1)
-        elif MASKS.match(line):
+        elif MASKS.search(line):
             faults.append(f"{function} masks all interrupts: {' '.join(line.split()[1:])}")
         elif BASEPRI.search(line) and not function.startswith(SECTIONS):
             faults.append(f"{function} writes BASEPRI, which only topic operations may")
