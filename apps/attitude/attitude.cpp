@@ -17,10 +17,6 @@ constexpr float kMoving = 0.35f;              // rad/s
 // Nearer to the vertical the nose shows no heading.
 constexpr float kLeastLevelNose = 0.2f;
 
-math::Vector3<float> vector(const std::array<float, 3>& xyz) {
-    return {xyz[0], xyz[1], xyz[2]};
-}
-
 bool is_finite(const math::Vector3<float>& v) {
     return math::is_finite(v.squaredNorm());
 }
@@ -28,11 +24,11 @@ bool is_finite(const math::Vector3<float>& v) {
 }  // namespace
 
 void Attitude::step(AttitudePorts& ports) {
-    if (!ports.gyro || !is_finite(vector(ports.gyro->xyz))) return;
+    if (!ports.gyro || !is_finite(math::vector(ports.gyro->xyz))) return;
     const std::optional<float> dt = gyro_clock_.advance(ports.gyro->timestamp_sample);
     if (!dt) return;
     if (*dt > kLongestGap) restart();
-    rate_B_ = vector(ports.gyro->xyz);
+    rate_B_ = math::vector(ports.gyro->xyz);
     inclination_.turn(rate_B_ - bias_.value(), *dt);
     update_inclination(ports);
     if (!aligned_) return;
@@ -40,7 +36,7 @@ void Attitude::step(AttitudePorts& ports) {
     ports.attitude.publish([&] {
         const math::Quaternion<float> q_NB = heading_.q_NT() * inclination_.q_TB();
         return VehicleAttitude{.timestamp_sample = ports.gyro->timestamp_sample,
-                               .q = {q_NB.w(), q_NB.x(), q_NB.y(), q_NB.z()}};
+                               .q = math::to_array(q_NB)};
     });
 }
 
@@ -53,8 +49,8 @@ void Attitude::restart() {
 }
 
 void Attitude::update_inclination(AttitudePorts& ports) {
-    if (!ports.accel || !ports.accel.is_new() || !is_finite(vector(ports.accel->xyz))) return;
-    const Vector force_B = vector(ports.accel->xyz);
+    if (!ports.accel || !ports.accel.is_new() || !is_finite(math::vector(ports.accel->xyz))) return;
+    const Vector force_B = math::vector(ports.accel->xyz);
     inclination_.feel(force_B);
     rates_B_.add(rate_B_);
     forces_B_.add(force_B);
@@ -85,7 +81,7 @@ void Attitude::update_heading(AttitudePorts& ports) {
 }
 
 void Attitude::use_motion_capture(const VehicleOdometry& seen, const AttitudeParams& params) {
-    const math::Quaternion<float> q_seen(seen.q[0], seen.q[1], seen.q[2], seen.q[3]);
+    const math::Quaternion<float> q_seen = math::quaternion(seen.q);
     const math::Matrix3<float> R_TB = inclination_.q_TB().toRotationMatrix();
     const float level_nose = R_TB.col(0).head<2>().squaredNorm();
     if (!math::is_finite(q_seen.squaredNorm()) || level_nose < math::square(kLeastLevelNose))
@@ -104,7 +100,7 @@ void Attitude::use_motion_capture(const VehicleOdometry& seen, const AttitudePar
 }
 
 void Attitude::use_magnetometer(const SensorMag& sample, const AttitudeParams& params) {
-    const Vector field_B = vector(sample.xyz);
+    const Vector field_B = math::vector(sample.xyz);
     if (!is_finite(field_B)) return;
     const std::optional<float> dt = mag_clock_.advance(sample.timestamp_sample);
     if (!dt) return;

@@ -37,8 +37,8 @@ Vector3<float> Motion::limited_velocity(Vector3<float> velocity) const {
 // Zero on an axis that is free or unknown.
 Vector3<float> Motion::velocity_error(const MotionEstimate& estimate,
                                       const TrajectorySetpoint& setpoint) const {
-    const Vector3<float> position(setpoint.position.data());
-    const Vector3<float> velocity(setpoint.velocity.data());
+    const Vector3<float> position = math::vector(setpoint.position);
+    const Vector3<float> velocity = math::vector(setpoint.velocity);
     Vector3<float> wanted;
     for (int axis = 0; axis < 3; ++axis) {
         const float position_error = position[axis] - estimate.position_N[axis];

@@ -46,7 +46,7 @@ void publish_attitude(PositionControlPorts& ports, const Vector3<float>& thrust_
     const float thrust = math::norm(thrust_N);
     ports.attitude_setpoint.publish([&] {
         return VehicleAttitudeSetpoint{.yaw_sp_move_rate = yaw_rate,
-                                       .q_d = {q.w(), q.x(), q.y(), q.z()},
+                                       .q_d = math::to_array(q),
                                        .thrust_body = {0.0F, 0.0F, -thrust}};
     });
 }

@@ -13,10 +13,6 @@ constexpr float kLongestGap = 0.1f;  // s
 // Two positions this far apart give a velocity: millimetres of noise make centimetres per second.
 constexpr uint64_t kAcquisition = 50'000;  // us
 
-Vector vector(const std::array<float, 3>& xyz) {
-    return {xyz[0], xyz[1], xyz[2]};
-}
-
 float seconds(uint64_t elapsed_us) {
     return static_cast<float>(elapsed_us) * 1e-6f;
 }
@@ -34,7 +30,7 @@ void PositionEstimate::step(PositionEstimatePorts& ports) {
 // Adds up the new samples: all of them, if the graph gives them as a queue.
 void PositionEstimate::gather(PositionEstimatePorts& ports) {
     while (ports.accel.next()) {
-        const Vector force_B = vector(ports.accel->xyz);
+        const Vector force_B = math::vector(ports.accel->xyz);
         if (!math::is_finite(force_B.squaredNorm())) continue;
         forces_B_ += force_B;
         force_count_ += 1.0f;
@@ -44,8 +40,7 @@ void PositionEstimate::gather(PositionEstimatePorts& ports) {
 // True if the estimate's time moved on.
 bool PositionEstimate::predict(const PositionEstimatePorts& ports) {
     if (!ports.attitude || force_count_ == 0.0f) return false;
-    const auto& q = ports.attitude->q;
-    const math::Quaternion<float> q_NB(q[0], q[1], q[2], q[3]);
+    const math::Quaternion<float> q_NB = math::quaternion(ports.attitude->q);
     const Vector force_B = forces_B_ * (1.0f / force_count_);
     const Vector acceleration_N = q_NB * force_B + Vector(0.0f, 0.0f, kGravity);
     const uint64_t time_us = ports.attitude->timestamp_sample;
@@ -65,7 +60,7 @@ float PositionEstimate::age_of(uint64_t time_us) const {
 }
 
 void PositionEstimate::measure(const VehicleOdometry& seen, const PositionEstimateParams& params) {
-    const Vector position = vector(seen.position);
+    const Vector position = math::vector(seen.position);
     const uint64_t time_us = seen.timestamp_sample;
     const float age = age_of(time_us);
     if (!math::is_finite(position.squaredNorm()) || time_us <= measured_us_) return;

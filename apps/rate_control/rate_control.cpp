@@ -11,8 +11,7 @@ namespace {
 constexpr float kShortestStep = 125e-6F;
 constexpr float kLongestStep = 20e-3F;
 
-Vector3<float> finite_or_zero(float x, float y, float z) {
-    const Vector3<float> v(x, y, z);
+Vector3<float> finite_or_zero(const Vector3<float>& v) {
     return math::is_finite(v.sum()) ? v : Vector3<float>::Zero();
 }
 
@@ -33,9 +32,8 @@ float RateControl::seconds_since_last(uint64_t timestamp_sample) {
 }
 
 void RateControl::take_setpoint(const VehicleRatesSetpoint& setpoint) {
-    setpoint_ = finite_or_zero(setpoint.roll, setpoint.pitch, setpoint.yaw);
-    const auto& thrust = setpoint.thrust_body;
-    thrust_ = finite_or_zero(thrust[0], thrust[1], thrust[2]);
+    setpoint_ = finite_or_zero({setpoint.roll, setpoint.pitch, setpoint.yaw});
+    thrust_ = finite_or_zero(math::vector(setpoint.thrust_body));
 }
 
 // While the vehicle stands on the ground, which holds it, an integral would only wind up.
@@ -52,7 +50,7 @@ void RateControl::step(RateControlPorts& ports) {
         pid_.set_gains(gains_of(*ports.params));
         integrate_from_ = ports.params->integrate_from;
     }
-    const Vector3<float> rate(ports.gyro->xyz.data());
+    const Vector3<float> rate = math::vector(ports.gyro->xyz);
     if (!math::is_finite(rate.sum())) return;
     if (ports.setpoint) {
         take_setpoint(*ports.setpoint);
@@ -68,11 +66,11 @@ void RateControl::step(RateControlPorts& ports) {
     // Torque activates allocation, so thrust goes first.
     ports.thrust.publish([&] {
         return VehicleThrustSetpoint{.timestamp_sample = timestamp_sample,
-                                     .xyz = {thrust_.x(), thrust_.y(), thrust_.z()}};
+                                     .xyz = math::to_array(thrust_)};
     });
     ports.torque.publish([&] {
         return VehicleTorqueSetpoint{.timestamp_sample = timestamp_sample,
-                                     .xyz = {torque.x(), torque.y(), torque.z()}};
+                                     .xyz = math::to_array(torque)};
     });
 }
 

@@ -20,10 +20,6 @@ std::optional<World> the_world;
 std::FILE* truth_file = nullptr;
 bool truth_was_written = true;
 
-std::array<float, 3> to_array(const Vector3f& v) {
-    return {v.x(), v.y(), v.z()};
-}
-
 // The register write of the motor driver. Time may have passed since the newest event.
 void write_motors(const MotorSim::Control& control) {
     the_world->command_motors(executor.now_us, {control[0], control[1], control[2], control[3]});
@@ -32,13 +28,13 @@ void write_motors(const MotorSim::Control& control) {
 void hand_over(const World::Event& event, std::uint64_t now_us) {
     if (event.imu_sampled) {
         imu0 = {.timestamp_sample = now_us,
-                .gyro_B = to_array(event.imu.gyro_B),
-                .accel_B = to_array(event.imu.accel_B)};
+                .gyro_B = math::to_array(event.imu.gyro_B),
+                .accel_B = math::to_array(event.imu.accel_B)};
         imu0_data_ready.raise();
     }
     if (event.mocap_received) {
         mocap0 = {.timestamp_sample = event.mocap.time_us,
-                  .position_N = to_array(event.mocap.position_N),
+                  .position_N = math::to_array(event.mocap.position_N),
                   .yaw = event.mocap.yaw};
         mocap0_received.raise();
     }

@@ -29,15 +29,19 @@ class Figure:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"some of: {', '.join(BENCHMARKS)}")
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help=f"some of: {', '.join(BENCHMARKS)}"
+    )
     parser.add_argument("--json", action="store_true", help="print what programs read")
 
 
 def main(arguments: argparse.Namespace) -> int:
     unknown = [name for name in arguments.names if name not in BENCHMARKS]
     if unknown:
-        print(f"error: there is no benchmark '{unknown[0]}'\nhint: known: {', '.join(BENCHMARKS)}",
-              file=sys.stderr)
+        print(
+            f"error: there is no benchmark '{unknown[0]}'\nhint: known: {', '.join(BENCHMARKS)}",
+            file=sys.stderr,
+        )
         return 1
     figures: list[Figure] = []
     for name in arguments.names or BENCHMARKS:
@@ -55,7 +59,8 @@ def _show(figures: list[Figure]) -> None:
     width = max(len(figure.what) for figure in figures)
     for figure in figures:
         verdict = "met" if figure.met else "NOT MET"
-        print(f"{figure.what:<{width}}  {figure.value:10.4g} {figure.unit:<6} {figure.bound:<28} {verdict}")
+        value = f"{figure.value:10.4g} {figure.unit:<6}"
+        print(f"{figure.what:<{width}}  {value} {figure.bound:<24} {verdict}")
     print("machine: shared and noisy runs vary; compare figures of one run only")
 
 
@@ -64,13 +69,24 @@ def _fly() -> list[Figure]:
     program = build(HOME / "graph" / "quad_logged.yaml", "sitl")
     speeds = []
     for _ in range(REPEATS):
-        result = subprocess.run([*_one_core(), program, "--log", os.devnull, "--duration", "120"],
-                                check=True, capture_output=True, text=True)
+        result = subprocess.run(
+            [*_one_core(), program, "--log", os.devnull, "--duration", "120"],
+            check=True,
+            capture_output=True,
+            text=True,
+        )
         facts = json.loads(result.stdout)
         speeds.append(facts["simulated_s"] / facts["wall_s"])
     speed = max(speeds)
-    return [Figure("fly, everything logged, one core: against real time", speed, "times",
-                   "at least 100, goal 300", speed >= 100)]
+    return [
+        Figure(
+            "fly, everything logged, one core: against real time",
+            speed,
+            "times",
+            "at least 100, goal 300",
+            speed >= 100,
+        )
+    ]
 
 
 def _one_core() -> list[str]:
@@ -83,7 +99,13 @@ def _topics() -> list[Figure]:
     publish = times["publish"] - times["plain_stores"]
     read = times["read_latest"] - times["plain_load"]
     return [
-        Figure("publish 64 bytes, nobody woken: over plain stores", publish, "ns", "at most 3", publish <= 3),
+        Figure(
+            "publish 64 bytes, nobody woken: over plain stores",
+            publish,
+            "ns",
+            "at most 3",
+            publish <= 3,
+        ),
         Figure("read the newest sample: over a plain load", read, "ns", "at most 2", read <= 2),
     ]
 
@@ -93,8 +115,12 @@ def _google_benchmark(target: str) -> dict[str, float]:
     folder = HOME / "build" / "bench"
     configure(folder, ["-DSTATOR_TESTS=ON"], [target])
     found = next(path for path in sorted(folder.rglob(target)) if path.is_file())
-    result = subprocess.run([found, "--benchmark_format=json", f"--benchmark_repetitions={REPEATS}"],
-                            check=True, capture_output=True, text=True)
+    result = subprocess.run(
+        [found, "--benchmark_format=json", f"--benchmark_repetitions={REPEATS}"],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
     times: dict[str, float] = {}
     for row in json.loads(result.stdout)["benchmarks"]:
         if row["run_type"] == "iteration":
@@ -110,7 +136,13 @@ def _check() -> list[Figure]:
     seconds = measure()
     growth = seconds["nodes_10000_s"] / seconds["nodes_1000_s"]
     return [
-        Figure("check 1,000 nodes", seconds["nodes_1000_s"], "s", "under 1.5", seconds["nodes_1000_s"] < 1.5),
+        Figure(
+            "check 1,000 nodes",
+            seconds["nodes_1000_s"],
+            "s",
+            "under 1.5",
+            seconds["nodes_1000_s"] < 1.5,
+        ),
         Figure("check 10,000 nodes: against 1,000", growth, "times", "at most 12", growth <= 12),
     ]
 
@@ -123,11 +155,16 @@ def _edit() -> list[Figure]:
 
     def fly(height: str) -> float:
         start = time.monotonic()
-        graph.write_text("include: [{file: quad.yaml}]\nboard: fmu_v2\n"
-                         f"nodes: {{sequence: {{params: {{height: {height}}}}}}}\n")
+        graph.write_text(
+            "include: [{file: quad.yaml}]\nboard: fmu_v2\n"
+            f"nodes: {{sequence: {{params: {{height: {height}}}}}}}\n"
+        )
         program = build(graph, "sitl")
-        subprocess.run([program, "--log", folder / "edited.ulg", "--duration", "120"], check=True,
-                       capture_output=True)
+        subprocess.run(
+            [program, "--log", folder / "edited.ulg", "--duration", "120"],
+            check=True,
+            capture_output=True,
+        )
         return time.monotonic() - start
 
     fly("2 m")

@@ -1,4 +1,4 @@
-"""How long `check` takes on large generated graphs: for `./stator bench`, and for tests that count."""
+"""How long `check` takes on large generated graphs, for `./stator bench`; tests count its work."""
 
 from __future__ import annotations
 
@@ -83,6 +83,9 @@ def measure() -> dict[str, float]:
 
 def _check_once(graph: Path) -> float:
     start = time.perf_counter()
-    subprocess.run([sys.executable, "-I", "-X", "utf8", "-m", "stator", "check", str(graph)],
-                   check=True, capture_output=True)
+    subprocess.run(
+        [sys.executable, "-I", "-X", "utf8", "-m", "stator", "check", str(graph)],
+        check=True,
+        capture_output=True,
+    )
     return time.perf_counter() - start

@@ -2,54 +2,62 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stator.cli import make_plan
+from stator.diagnostics import BuildFailed
 from stator.library import HOME
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
 
-class BuildFailed(Exception):
-    """CMake or the compiler failed; the message is what they said."""
+PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # for runs in which activations take time
 
 
+SLEEP = {"STATOR_SLEEP": "ON"}  # on bare metal: sleeps when idle, instead of spinning
 TOOLCHAIN = HOME / "codegen" / "cmake" / "cortex_m4f.cmake"
 INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate"}
 
 
-def build(graph: Path, board: str | None, *, executor: str = "", compiler: str = "",
-          optimisation: str = "", preemption_points: bool = False, sleep: bool = False) -> Path:
+def build(
+    graph: Path,
+    board: str | None,
+    variant: Mapping[str, str] | None = None,
+    *,
+    executor: str = "",
+) -> Path:
     """The executable of the graph on this board (its own if None), built anew where needed.
-    `executor`: the only one that will do. `preemption_points`: for runs in which activations take
-    time. `sleep`: on bare metal, sleeps when idle.
+    `variant`: CMake variables that differ from the defaults, such as another compiler. `executor`:
+    the only one that will do.
 
     Raises `Failed` for an error in the graph, `BuildFailed` for one in the code.
     """
     plan = make_plan(str(graph), board)
-    if executor and plan.board.executor != executor:
-        raise BuildFailed(f"error: board '{plan.board.name}' runs on the executor "
-                          f"{plan.board.executor}, not {executor}" + _instead(plan.board.executor))
+    variant = variant or {}
     bare = plan.board.executor == "cortex_m"
-    name = f"{plan.graph.name}-{plan.board.name}"
-    parts = (compiler, optimisation.strip("-"), "preemption" if preemption_points else "",
-             "sleep" if sleep else "")
-    variant = "".join(f"-{part}" for part in parts if part)
-    options = [f"-DSTATOR_GRAPH={plan.graph.file}", f"-DSTATOR_BOARD={plan.board.name}",
-               "-DSTATOR_TESTS=OFF"]
-    if bare:
-        options.append(f"-DCMAKE_TOOLCHAIN_FILE={TOOLCHAIN}")
-    if sleep:
-        options.append("-DSTATOR_SLEEP=ON")
-    if preemption_points:
-        options.append("-DSTATOR_PREEMPTION_POINTS=ON")
-    if compiler:
-        options.append(f"-DCMAKE_CXX_COMPILER={compiler}")
-    if optimisation:
-        options.append(f"-DSTATOR_OPTIMIZE={optimisation}")
-    _one_line(f"building {name}{variant} ...")
-    folder = HOME / "build" / f"{name}{variant}"
+    if executor and plan.board.executor != executor:
+        instead = INSTEAD.get(plan.board.executor)
+        raise BuildFailed(
+            f"error: board '{plan.board.name}' runs on the executor {plan.board.executor}, "
+            f"not {executor}" + (f"\nhint: {instead} flies it" if instead else "")
+        )
+    names = [key if value == "ON" else value for key, value in variant.items()]
+    words = [plan.graph.name, plan.board.name, *(re.sub(r"\W+", "_", name) for name in names)]
+    name = "-".join(word.strip("_") for word in words)
+    options = [
+        f"-DSTATOR_GRAPH={plan.graph.file}",
+        f"-DSTATOR_BOARD={plan.board.name}",
+        "-DSTATOR_TESTS=OFF",
+        *([f"-DCMAKE_TOOLCHAIN_FILE={TOOLCHAIN}"] if bare else []),
+        *(f"-D{key}={value}" for key, value in variant.items()),
+    ]
+    _one_line(f"building {name} ...")
+    folder = HOME / "build" / name
     configure(folder, options, ["graph_program"])
     return folder / ("graph_program.elf" if bare else "graph_program")
 
@@ -59,10 +67,6 @@ def build_plant() -> Path:
     folder = HOME / "build" / "plant"
     configure(folder, ["-DSTATOR_TESTS=OFF"], ["plant_server"])
     return folder / "boards" / "qemu_f405" / "plant" / "plant_server"
-
-
-def _instead(executor: str) -> str:
-    return f"\nhint: {INSTEAD[executor]} flies it" if executor in INSTEAD else ""
 
 
 def configure(folder: Path, options: list[str], targets: list[str]) -> None:
@@ -89,5 +93,7 @@ def _run(command: list[str]) -> None:
         lines = (result.stdout + result.stderr).splitlines()
         first = next((i for i, line in enumerate(lines) if "error" in line.lower()), 0)
         shown = "\n".join(lines[max(0, first - 2) : first + 40])
-        raise BuildFailed(f"{shown}\nerror: the build failed\nhint: the whole output: "
-                          + " ".join(f"'{part}'" if " " in part else part for part in command))
+        raise BuildFailed(
+            f"{shown}\nerror: the build failed\nhint: the whole output: "
+            + " ".join(f"'{part}'" if " " in part else part for part in command)
+        )

@@ -12,6 +12,7 @@ from stator.check_names import check_generated_names
 from stator.check_nodes import read_nodes
 from stator.check_parts import read_chains, read_modes
 from stator.check_topics import connect
+from stator.collector import without_collector
 from stator.compose import Composer, check_variables
 from stator.diagnostics import Mark, Report
 from stator.library import HOME, Library
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from stator.shapes import Record
 
 
+@without_collector
 def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
     """Reads and checks a graph. Returns it, bound to its own board, and the board to build for.
 
@@ -42,6 +44,13 @@ def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
     assert record is not None
     if record.get("nodes") is None:
         report.stop_on_errors()
+    if not record.get("nodes").keys:
+        report.error(
+            record.keys["nodes"],
+            "out-of-range",
+            "a graph has at least one node",
+            "for example `counter: {trigger: {every: 10 ms}}`",
+        )
 
     library = Library(path.parent, report)
     own, board = _boards(record, board_name, library)
@@ -68,8 +77,9 @@ def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
     return graph, board
 
 
-def _boards(record: Record, name: str | None,
-            library: Library) -> tuple[Board | None, Board | None]:
+def _boards(
+    record: Record, name: str | None, library: Library
+) -> tuple[Board | None, Board | None]:
     """The graph's own board, and the one to build for."""
     leaf = record.get("board")
     own = None if leaf is None else library.board(leaf.value, leaf.mark)
@@ -94,8 +104,12 @@ def _budgets(path: Path, board: Board | None, record: Record, library: Library) 
         close = get_close_matches(name, without, n=1, cutoff=0.8)
         if name in record.get("nodes").keys or not close or _letters(name) == _letters(close[0]):
             continue
-        library.report.error(table.keys[name], "budget-node", f"{path.name} has no node '{name}'",
-                             f"did you mean '{close[0]}'?")
+        library.report.error(
+            table.keys[name],
+            "budget-node",
+            f"{path.name} has no node '{name}'",
+            f"did you mean '{close[0]}'?",
+        )
     return {name: leaf.value for name, leaf in table.values.items()}
 
 

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 
 def check_cycles(nodes: dict[str, Node], topics: dict[str, Topic], report: Report) -> None:
-    """Follows topic triggers, depth first. Topics count as places, so that many publishers with many
-    readers cost their sum and not their product."""
+    """Follows topic triggers, depth first. Topics count as places, so that many publishers with
+    many readers cost their sum and not their product."""
     wakes = _wakes(nodes, topics)
     done: set[str] = set()
     for start in nodes:
@@ -34,9 +34,10 @@ def check_cycles(nodes: dict[str, Node], topics: dict[str, Topic], report: Repor
 
 def _wakes(nodes: dict[str, Node], topics: dict[str, Topic]) -> dict[str, list[str]]:
     """Node -> topics it publishes; topic -> nodes it triggers. Topics are spelled `> topic`."""
-    wakes = {f"> {name}": [node for node, _ in topic.readers
-                           if nodes[node].trigger_of(name) is not None]
-             for name, topic in topics.items()}
+    wakes = {
+        f"> {name}": [node for node, _ in topic.readers if nodes[node].trigger_of(name) is not None]
+        for name, topic in topics.items()
+    }
     for node in nodes.values():
         wakes[node.name] = [f"> {output.topic}" for output in node.outputs.values()]
     return wakes
@@ -50,7 +51,14 @@ def _refuse(path: list[str], following: str, nodes: dict[str, Node], report: Rep
     cycle = [*cycle[first:], *cycle[:first], cycle[first]]
     shown = " -> ".join(cycle) if len(cycle) <= 8 else " -> ".join([*cycle[:7], "...", cycle[-1]])
     last = nodes[cycle[-2]]
-    topic = next(t for t in nodes[cycle[0]].triggers
-                 if t.kind == "topic" and any(o.topic == t.name for o in last.outputs.values()))
-    report.error(topic.mark, "trigger-cycle", f"these nodes trigger each other for ever: {shown}",
-                 f"trigger '{cycle[0]}' by a period, and read '{topic.name}' as latest")
+    topic = next(
+        t
+        for t in nodes[cycle[0]].triggers
+        if t.kind == "topic" and any(o.topic == t.name for o in last.outputs.values())
+    )
+    report.error(
+        topic.mark,
+        "trigger-cycle",
+        f"these nodes trigger each other for ever: {shown}",
+        f"trigger '{cycle[0]}' by a period, and read '{topic.name}' as latest",
+    )

@@ -12,8 +12,9 @@ if TYPE_CHECKING:
     from stator.model import Board, Interface, Message, Node, Topic
 
 
-def check_generated_names(nodes: dict[str, Node], topics: dict[str, Topic], board: Board,
-                          report: Report) -> None:
+def check_generated_names(
+    nodes: dict[str, Node], topics: dict[str, Topic], board: Board, report: Report
+) -> None:
     types = _Names(report)
     headers = _Names(report)
     interfaces: dict[str, tuple[Interface, Mark]] = {}
@@ -38,8 +39,12 @@ def check_generated_names(nodes: dict[str, Node], topics: dict[str, Topic], boar
         if stem != topic.name and stem in topics:
             outputs = nodes[topic.publishers[0]].outputs.values()
             mark = next(output.mark for output in outputs if output.topic == topic.name)
-            report.error(mark, "name-clash", f"topic '{topic.name}' would be called as the storage of "
-                         f"'{stem}'", "give it another name")
+            report.error(
+                mark,
+                "name-clash",
+                f"topic '{topic.name}' would be called as the storage of '{stem}'",
+                "give it another name",
+            )
 
 
 def _messages(interface: Interface) -> list[Message]:
@@ -61,6 +66,10 @@ class _Names:
         if other == what:
             return True
         where = "" if first == mark else f"; the other comes from {beside(mark, first)}"
-        self._report.error(mark, "name-clash", f"{what} and {other} would both be called {name}",
-                           f"rename one of them{where}")
+        self._report.error(
+            mark,
+            "name-clash",
+            f"{what} and {other} would both be called {name}",
+            f"rename one of them{where}",
+        )
         return False

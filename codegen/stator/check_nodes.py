@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 @dataclass
 class Nodes:
-    """The nodes without errors that would spoil what follows; and what to keep silent about, so that
-    one mistake gives one error."""
+    """The nodes without errors that would spoil what follows; and what to keep silent about, so
+    that one mistake gives one error."""
 
     good: dict[str, Node] = field(default_factory=dict)
     declared: frozenset[str] = frozenset()
@@ -34,8 +34,13 @@ class Nodes:
         return self.doubtful_topics is None or topic in self.doubtful_topics
 
 
-def read_nodes(record: Record, own: Board | None, board: Board | None, library: Library,
-               budgets: dict[str, int]) -> Nodes:
+def read_nodes(
+    record: Record,
+    own: Board | None,
+    board: Board | None,
+    library: Library,
+    budgets: dict[str, int],
+) -> Nodes:
     table = record.get("nodes")
     nodes = Nodes(declared=frozenset(table.keys))
     owners: dict[str, Mark] = {}
@@ -60,8 +65,11 @@ def _doubt_outputs(record: Record, node: Node | None, nodes: Nodes) -> None:
     if outputs is None or len(outputs.values) < len(outputs.keys):
         nodes.doubtful_topics = None
         return
-    nodes.doubtful_topics |= {leaf.value for key, leaf in outputs.values.items()
-                              if node is None or key not in node.outputs}
+    nodes.doubtful_topics |= {
+        leaf.value
+        for key, leaf in outputs.values.items()
+        if node is None or key not in node.outputs
+    }
 
 
 def _check_priorities(nodes: dict[str, Node], table: Record, report: Report) -> None:
@@ -72,13 +80,20 @@ def _check_priorities(nodes: dict[str, Node], table: Record, report: Report) -> 
         return
     if len(missing) <= len(given):
         for node in missing:
-            report.error(node.mark, "priority-some", f"'{node.name}' has no priority, and other nodes "
-                         "have one", "give one to all nodes or to none")
+            report.error(
+                node.mark,
+                "priority-some",
+                f"'{node.name}' has no priority, and other nodes have one",
+                "give one to all nodes or to none",
+            )
     else:
         for node in given:
-            report.error(table.values[node.name].keys["priority"], "priority-some",
-                         f"'{node.name}' has a priority, and most nodes have none",
-                         "give one to all nodes or to none")
+            report.error(
+                table.values[node.name].keys["priority"],
+                "priority-some",
+                f"'{node.name}' has a priority, and most nodes have none",
+                "give one to all nodes or to none",
+            )
 
 
 class _NodeReader:
@@ -90,8 +105,13 @@ class _NodeReader:
         self._report = library.report
         self.is_damaged = False
 
-    def read(self, own: Board | None, board: Board | None, owners: dict[str, Mark],
-             budgets: dict[str, int]) -> Node | None:
+    def read(
+        self,
+        own: Board | None,
+        board: Board | None,
+        owners: dict[str, Mark],
+        budgets: dict[str, int],
+    ) -> Node | None:
         interface = self._interface(own, board, owners)
         if interface is None:
             self.is_damaged = True
@@ -114,47 +134,71 @@ class _NodeReader:
             mark=self._mark,
         )
 
-    def _interface(self, own: Board | None, board: Board | None,
-                   owners: dict[str, Mark]) -> Interface | None:
+    def _interface(
+        self, own: Board | None, board: Board | None, owners: dict[str, Mark]
+    ) -> Interface | None:
         keys = self._record.keys
         if "device" in keys and "app" in keys:
-            self._report.error(keys["app"], "device-is-not-app", "a node has `device` or `app`, not "
-                               "both", "remove `app`: the board says which driver the device has")
+            self._report.error(
+                keys["app"],
+                "device-is-not-app",
+                "a node has `device` or `app`, not both",
+                "remove `app`: the board says which driver the device has",
+            )
         device, app = self._record.get("device"), self._record.get("app")
         if "device" in keys:
-            return None if device is None else self._device(device.value, device.mark, own, board,
-                                                            owners)
+            return (
+                None
+                if device is None
+                else self._device(device.value, device.mark, own, board, owners)
+            )
         if "app" in keys:
             return None if app is None else self._library.app(app.value, app.mark)
         return self._app_of_name(own)
 
     def _app_of_name(self, own: Board | None) -> Interface | None:
         if own is not None and self._name in own.devices and self._name not in self._library.apps():
-            self._report.error(self._mark, "app-unknown", f"there is no app '{self._name}'",
-                               f"'{self._name}' is a device of the board: write "
-                               f"`device: {self._name}`")
+            self._report.error(
+                self._mark,
+                "app-unknown",
+                f"there is no app '{self._name}'",
+                f"'{self._name}' is a device of the board: write `device: {self._name}`",
+            )
             return None
         return self._library.app(self._name, self._mark)
 
-    def _device(self, name: str, mark: Mark, own: Board | None, board: Board | None,
-                owners: dict[str, Mark]) -> Interface | None:
+    def _device(
+        self, name: str, mark: Mark, own: Board | None, board: Board | None, owners: dict[str, Mark]
+    ) -> Interface | None:
         if name in owners:
-            self._report.error(mark, "device-twice", f"device '{name}' has two owners",
-                               f"the other one is the node in {beside(mark, owners[name])}")
+            self._report.error(
+                mark,
+                "device-twice",
+                f"device '{name}' has two owners",
+                f"the other one is the node in {beside(mark, owners[name])}",
+            )
         owners.setdefault(name, self._mark)
         for candidate in (own, board):
             if candidate is not None and name not in candidate.devices:
-                self._report.error(mark, "device-unknown", f"board '{candidate.name}' has no device "
-                                   f"'{name}'", self._report.nearest(name, candidate.devices))
+                self._report.error(
+                    mark,
+                    "device-unknown",
+                    f"board '{candidate.name}' has no device '{name}'",
+                    self._report.nearest(name, candidate.devices),
+                )
                 return None
         if own is None:
             return None
         device = own.devices[name]
         if board is not None and board.devices[name].device_class != device.device_class:
-            self._report.error(mark, "class-mismatch", f"'{name}' is of the class "
-                               f"'{device.device_class}' on {own.name}, and '"
-                               f"{board.devices[name].device_class}' on {board.name}",
-                               f"bind it to a driver of {device.device_class} in {board.name}")
+            self._report.error(
+                mark,
+                "class-mismatch",
+                f"'{name}' is of the class "
+                f"'{device.device_class}' on {own.name}, and '"
+                f"{board.devices[name].device_class}' on {board.name}",
+                f"bind it to a driver of {device.device_class} in {board.name}",
+            )
         return device.interface
 
     # --- ports ---
@@ -170,11 +214,20 @@ class _NodeReader:
                 self.is_damaged = True
                 continue
             if topic.value in taken:
-                self._report.error(topic.mark, "input-twice", f"topic '{topic.value}' is on input "
-                                   f"'{taken[topic.value]}' already", "remove one of the two")
+                self._report.error(
+                    topic.mark,
+                    "input-twice",
+                    f"topic '{topic.value}' is on input '{taken[topic.value]}' already",
+                    "remove one of the two",
+                )
             taken[topic.value] = key
-            inputs[key] = NodeInput(port, topic.value, value.value("max_age"),
-                                    value.value("read") == "queue", topic.mark)
+            inputs[key] = NodeInput(
+                port,
+                topic.value,
+                value.value("max_age"),
+                value.value("read") == "queue",
+                topic.mark,
+            )
         self._check_wired(interface, record)
         # In the interface's order, whatever the graph's.
         return {key: inputs[key] for key in interface.inputs if key in inputs}
@@ -188,15 +241,20 @@ class _NodeReader:
         for key, port in interface.inputs.items():
             if key in written or port.optional or get_close_matches(key, unknown):
                 continue
-            self._report.error(self._mark, "input-missing",
-                               f"input '{key}' of '{self._name}' is not wired",
-                               f"add `{key}: TOPIC` to its `inputs`, a topic of {port.message.name}")
+            self._report.error(
+                self._mark,
+                "input-missing",
+                f"input '{key}' of '{self._name}' is not wired",
+                f"add `{key}: TOPIC` to its `inputs`, a topic of {port.message.name}",
+            )
 
     def _outputs(self, interface: Interface) -> dict[str, NodeOutput]:
         record = self._record.get("outputs")
         outputs: dict[str, NodeOutput] = {}
         taken: dict[str, str] = {}
-        if "outputs" in self._record.keys and (record is None or len(record.values) < len(record.keys)):
+        if "outputs" in self._record.keys and (
+            record is None or len(record.values) < len(record.keys)
+        ):
             self.is_damaged = True
         for key, leaf in items(self._record, "outputs"):
             port = self._port(key, record.keys[key], interface.outputs, "output")
@@ -204,8 +262,12 @@ class _NodeReader:
                 self.is_damaged = True
                 continue
             if leaf.value in taken:
-                self._report.error(leaf.mark, "output-twice", f"topic '{leaf.value}' is on output "
-                                   f"'{taken[leaf.value]}' already", "remove one of the two")
+                self._report.error(
+                    leaf.mark,
+                    "output-twice",
+                    f"topic '{leaf.value}' is on output '{taken[leaf.value]}' already",
+                    "remove one of the two",
+                )
                 continue
             taken[leaf.value] = key
             outputs[key] = NodeOutput(port, leaf.value, leaf.mark)
@@ -214,8 +276,12 @@ class _NodeReader:
     def _port(self, key: str, mark: Mark, ports: dict[str, Port], what: str) -> Port | None:
         if key in ports:
             return ports[key]
-        self._report.error(mark, "port-unknown", f"'{self._name}' has no {what} '{key}'",
-                           self._report.nearest(key, ports) or f"it has no {what}s")
+        self._report.error(
+            mark,
+            "port-unknown",
+            f"'{self._name}' has no {what} '{key}'",
+            self._report.nearest(key, ports) or f"it has no {what}s",
+        )
         return None
 
     def _params(self, interface: Interface) -> dict[str, Value]:
@@ -224,10 +290,12 @@ class _NodeReader:
         given: list[tuple[str, Scalar]] = items(self._record, "params")
         for key, scalar in given:
             if key not in interface.params:
-                self._report.error(record.keys[key], "param-unknown",
-                                   f"'{self._name}' has no parameter '{key}'",
-                                   self._report.nearest(key, interface.params)
-                                   or "it has no parameters")
+                self._report.error(
+                    record.keys[key],
+                    "param-unknown",
+                    f"'{self._name}' has no parameter '{key}'",
+                    self._report.nearest(key, interface.params) or "it has no parameters",
+                )
                 continue
             value = read_value(interface.params[key], scalar, self._report)
             if value is not None:

@@ -8,7 +8,8 @@ from stator.check_cycles import check_cycles
 from stator.diagnostics import Mark, Report, beside
 from stator.language import DEPTHS, MOST_LOGGED_BYTES
 from stator.model import Message, Node, NodeOutput, Topic, TopicConfig
-from stator.shapes import Period, Record, items
+from stator.period import Period
+from stator.shapes import Record, items
 from stator.yaml_tree import Scalar
 
 if TYPE_CHECKING:
@@ -20,8 +21,10 @@ Publishers = list[tuple[Node, NodeOutput]]
 
 def connect(record: Record, nodes: Nodes, report: Report) -> dict[str, Topic]:
     """All topics, in the order in which the graph publishes them."""
-    configs = {name: _config(value, record.get("topics").keys[name], report)
-               for name, value in items(record, "topics")}
+    configs = {
+        name: _config(value, record.get("topics").keys[name], report)
+        for name, value in items(record, "topics")
+    }
     _check_loggers(nodes.good, report)
     modes_of = _modes_of(record)
     outputs, readers = _outputs(nodes.good), _readers(nodes.good)
@@ -33,16 +36,25 @@ def connect(record: Record, nodes: Nodes, report: Report) -> dict[str, Topic]:
         if not config.many_publishers:
             _check_publishers(name, publishers, modes_of, report)
         _check_params_name(name, publishers[0][1].mark, nodes.good, report)
-        topics[name] = Topic(name, message, tuple(node.name for node, _ in publishers),
-                             tuple(readers.get(name, ())), config)
+        topics[name] = Topic(
+            name,
+            message,
+            tuple(node.name for node, _ in publishers),
+            tuple(readers.get(name, ())),
+            config,
+        )
     _check_inputs(nodes, topics, report)
     for name, value in items(record, "topics"):
         topic = topics.get(name)
         if topic is not None:
             _check_log_size(topic, value, report)
         elif name not in readers and not nodes.may_publish(name):
-            report.error(record.get("topics").keys[name], "topic-unused",
-                         f"no node publishes topic '{name}'", report.nearest(name, topics))
+            report.error(
+                record.get("topics").keys[name],
+                "topic-unused",
+                f"no node publishes topic '{name}'",
+                report.nearest(name, topics),
+            )
     check_cycles(nodes.good, topics, report)
     return topics
 
@@ -67,10 +79,18 @@ def _config(value: Record, mark: Mark, report: Report) -> TopicConfig:
     depth = value.get("depth")
     if depth is not None and depth.value not in DEPTHS:
         above = next(power for power in DEPTHS if power > depth.value)
-        report.error(depth.mark, "depth-power", f"depth {depth.value} is no power of two",
-                     f"write {above}, or leave it out: then it follows from the rates")
-    return TopicConfig(_log(value, report), value.value("depth"), value.value("publishers") == "many",
-                       mark if depth is None else depth.mark)
+        report.error(
+            depth.mark,
+            "depth-power",
+            f"depth {depth.value} is no power of two",
+            f"write {above}, or leave it out: then it follows from the rates",
+        )
+    return TopicConfig(
+        _log(value, report),
+        value.value("depth"),
+        value.value("publishers") == "many",
+        mark if depth is None else depth.mark,
+    )
 
 
 def _log(value: Record, report: Report) -> str | int | None:
@@ -84,19 +104,27 @@ def _log(value: Record, report: Report) -> str | int | None:
 def _check_log_size(topic: Topic, value: Record, report: Report) -> None:
     if topic.config.log in (None, "none") or topic.message.bytes <= MOST_LOGGED_BYTES:
         return
-    report.error(value.get("log").mark, "log-large", f"{topic.message.name} takes "
-                 f"{topic.message.bytes} bytes, and a block of the log holds {MOST_LOGGED_BYTES}",
-                 "write `log: none`, or split the message")
+    report.error(
+        value.get("log").mark,
+        "log-large",
+        f"{topic.message.name} takes "
+        f"{topic.message.bytes} bytes, and a block of the log holds {MOST_LOGGED_BYTES}",
+        "write `log: none`, or split the message",
+    )
 
 
 def _check_message(name: str, publishers: Publishers, message: Message, report: Report) -> None:
     for node, output in publishers[1:]:
         if output.port.message is not message:
             first = publishers[0][1].mark
-            report.error(output.mark, "message-mismatch", f"'{node.name}' publishes "
-                         f"{output.port.message.name} on '{name}', and '{publishers[0][0].name}' "
-                         f"publishes {message.name} ({beside(output.mark, first)})",
-                         "give one of them a topic of its own")
+            report.error(
+                output.mark,
+                "message-mismatch",
+                f"'{node.name}' publishes "
+                f"{output.port.message.name} on '{name}', and '{publishers[0][0].name}' "
+                f"publishes {message.name} ({beside(output.mark, first)})",
+                "give one of them a topic of its own",
+            )
 
 
 def _modes_of(record: Record) -> dict[str, frozenset[str]]:
@@ -109,8 +137,9 @@ def _modes_of(record: Record) -> dict[str, frozenset[str]]:
     return {name: frozenset(modes_of) for name, modes_of in result.items()}
 
 
-def _check_publishers(name: str, publishers: Publishers, modes_of: dict[str, frozenset[str]],
-                      report: Report) -> None:
+def _check_publishers(
+    name: str, publishers: Publishers, modes_of: dict[str, frozenset[str]], report: Report
+) -> None:
     """One at a time: only nodes that no mode runs together may share a topic."""
     if len(publishers) == 1:
         return
@@ -126,16 +155,24 @@ def _check_publishers(name: str, publishers: Publishers, modes_of: dict[str, fro
             for mode in modes:
                 in_mode.setdefault(mode, (node, output))
         if other is not None and output.port.message is other[1].port.message:
-            report.error(output.mark, "publishers", f"'{name}' is published by '{other[0].name}' "
-                         f"already ({beside(output.mark, other[1].mark)})",
-                         f"if both are meant, write `topics: {{{name}: {{publishers: many}}}}`")
+            report.error(
+                output.mark,
+                "publishers",
+                f"'{name}' is published by '{other[0].name}' "
+                f"already ({beside(output.mark, other[1].mark)})",
+                f"if both are meant, write `topics: {{{name}: {{publishers: many}}}}`",
+            )
 
 
 def _check_params_name(name: str, mark: Mark, nodes: dict[str, Node], report: Report) -> None:
     node = nodes.get(name.removesuffix("_params"))
     if name.endswith("_params") and node is not None and node.interface.params:
-        report.error(mark, "reserved-name", f"topic '{name}' carries the parameters of "
-                     f"'{node.name}'", "give this one another name")
+        report.error(
+            mark,
+            "reserved-name",
+            f"topic '{name}' carries the parameters of '{node.name}'",
+            "give this one another name",
+        )
 
 
 def _check_inputs(nodes: Nodes, topics: dict[str, Topic], report: Report) -> None:
@@ -143,19 +180,31 @@ def _check_inputs(nodes: Nodes, topics: dict[str, Topic], report: Report) -> Non
         for key, source in node.inputs.items():
             topic = topics.get(source.topic)
             if topic is None and not nodes.may_publish(source.topic):
-                report.error(source.mark, "topic-unpublished",
-                             f"topic '{source.topic}' is read and never published",
-                             report.nearest(source.topic, topics))
+                report.error(
+                    source.mark,
+                    "topic-unpublished",
+                    f"topic '{source.topic}' is read and never published",
+                    report.nearest(source.topic, topics),
+                )
             elif topic is not None and topic.message is not source.port.message:
                 fitting = [t.name for t in topics.values() if t.message is source.port.message]
-                report.error(source.mark, "message-mismatch", f"input '{key}' reads "
-                             f"{source.port.message.name}, and '{topic.name}' carries "
-                             f"{topic.message.name}", report.nearest(source.topic, fitting)
-                             or f"no topic carries {source.port.message.name}")
+                report.error(
+                    source.mark,
+                    "message-mismatch",
+                    f"input '{key}' reads "
+                    f"{source.port.message.name}, and '{topic.name}' carries "
+                    f"{topic.message.name}",
+                    report.nearest(source.topic, fitting)
+                    or f"no topic carries {source.port.message.name}",
+                )
 
 
 def _check_loggers(nodes: dict[str, Node], report: Report) -> None:
     loggers = [node for node in nodes.values() if node.interface.reads_log]
     for node in loggers[1:]:
-        report.error(node.mark, "log-many", f"'{loggers[0].name}' is a logger already "
-                     f"({beside(node.mark, loggers[0].mark)})", "keep one of them")
+        report.error(
+            node.mark,
+            "log-many",
+            f"'{loggers[0].name}' is a logger already ({beside(node.mark, loggers[0].mark)})",
+            "keep one of them",
+        )

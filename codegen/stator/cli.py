@@ -1,4 +1,4 @@
-"""The command line. Each command imports what it needs when it runs, so that `check` starts fast."""
+"""The command line. Each command imports what it needs when it runs: `check` starts fast."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stator.diagnostics import Failed, shown_path
+from stator.diagnostics import BuildFailed, Failed, shown_path
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,6 +49,9 @@ def main(argv: list[str]) -> int:
     except Failed as failed:
         show_errors(failed)
         return 1
+    except BuildFailed as failed:
+        print(failed, file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         print("stator: interrupted", file=sys.stderr)
         return 130
@@ -67,7 +70,9 @@ def _run(argv: list[str]) -> int:
 
 
 def _parser(chosen: str) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="stator", description="Flight software from one YAML graph.")
+    parser = argparse.ArgumentParser(
+        prog="stator", description="Flight software from one YAML graph."
+    )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for name, text in COMMANDS.items():
         command = commands.add_parser(name, help=text, description=text)
@@ -125,9 +130,19 @@ def _check(arguments: argparse.Namespace) -> int:
     if arguments.json:
         from stator.graph_hash import graph_hash
 
-        print(json.dumps({"errors": [], "graph": plan.graph.name, "board": plan.board.name,
-                          "nodes": len(plan.tasks), "topics": len(plan.topics),
-                          "hash": graph_hash(plan)}, indent=2))
+        print(
+            json.dumps(
+                {
+                    "errors": [],
+                    "graph": plan.graph.name,
+                    "board": plan.board.name,
+                    "nodes": len(plan.tasks),
+                    "topics": len(plan.topics),
+                    "hash": graph_hash(plan),
+                },
+                indent=2,
+            )
+        )
         return 0
     if arguments.plan:
         from stator.plan_text import plan_text
@@ -136,21 +151,35 @@ def _check(arguments: argparse.Namespace) -> int:
         return 0
     levels = len({task.level for task in plan.tasks})
     slot_bytes = sum(t.message.bytes * t.slots for t in plan.topics.values())
-    print(f"{shown_path(plan.graph.file)}: good: {len(plan.tasks)} nodes on {levels} levels, "
-          f"{len(plan.topics)} topics in {slot_bytes} bytes of slots, board {plan.board.name}")
+    print(
+        f"{shown_path(plan.graph.file)}: good: {_count(len(plan.tasks), 'node')} on "
+        f"{_count(levels, 'level')}, {_count(len(plan.topics), 'topic')} in {slot_bytes} bytes of "
+        f"slots, board {plan.board.name}"
+    )
     _show_notes(plan)
     return 0
 
 
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" + ("" if number == 1 else "s")
+
+
 def _show_notes(plan: Plan) -> None:
-    unbound = [d.name for d in plan.board.devices.values() if d.driver == "none"
-               and any(task.node.device == d.name for task in plan.tasks)]
+    unbound = [
+        d.name
+        for d in plan.board.devices.values()
+        if d.driver == "none" and any(task.node.device == d.name for task in plan.tasks)
+    ]
     if unbound:
-        print(f"note: no driver yet on {plan.board.name} for: {', '.join(unbound)}; "
-              "these publish nothing there")
+        print(
+            f"note: no driver yet on {plan.board.name} for: {', '.join(unbound)}; "
+            "these publish nothing there"
+        )
     if plan.replanned:
-        print(f"note: {plan.board.name} cannot keep the order of {plan.graph.board.name}; "
-              "planned anew, with another hash")
+        print(
+            f"note: {plan.board.name} cannot keep the order of {plan.graph.board.name}; "
+            "planned anew, with another hash"
+        )
 
 
 # --- gen ---
@@ -166,8 +195,11 @@ def _gen(arguments: argparse.Namespace) -> int:
 
     plan = make_plan(arguments.graph, arguments.board)
     if plan.board.executor not in EXECUTORS:
-        print(f"error: board '{plan.board.name}' runs on the executor {plan.board.executor}, which "
-              f"this version cannot build\nhint: add --board sitl", file=sys.stderr)
+        print(
+            f"error: board '{plan.board.name}' runs on the executor {plan.board.executor}, which "
+            f"this version cannot build\nhint: add --board sitl",
+            file=sys.stderr,
+        )
         return 1
     files = emit(plan)
     changed = write(files, Path(arguments.output))
@@ -191,8 +223,11 @@ def _explain(arguments: argparse.Namespace) -> int:
     lines = explain(plan, arguments.node)
     if lines is None:
         known = [*plan.graph.nodes, *plan.topics]
-        print(f"error: '{arguments.node}' is no node and no topic of {plan.graph.name}\n"
-              f"hint: {nearest(arguments.node, known)}", file=sys.stderr)
+        print(
+            f"error: '{arguments.node}' is no node and no topic of {plan.graph.name}\n"
+            f"hint: {nearest(arguments.node, known)}",
+            file=sys.stderr,
+        )
         return 1
     print("\n".join(lines))
     return 0
@@ -218,15 +253,16 @@ def _no_arguments(parser: argparse.ArgumentParser) -> None:
     pass
 
 
-def _schema(arguments: argparse.Namespace) -> int:  # noqa: ARG001
+def _schema(arguments: argparse.Namespace) -> int:
     from stator.json_schema import graph_schema
 
     print(json.dumps(graph_schema(), indent=2))
     return 0
 
 
-_HERE: dict[str, tuple[Callable[[argparse.ArgumentParser], None],
-                       Callable[[argparse.Namespace], int]]] = {
+_HERE: dict[
+    str, tuple[Callable[[argparse.ArgumentParser], None], Callable[[argparse.Namespace], int]]
+] = {
     "check": (_check_arguments, _check),
     "gen": (_gen_arguments, _gen),
     "explain": (_explain_arguments, _explain),

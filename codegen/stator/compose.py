@@ -10,8 +10,9 @@ from typing import Any
 
 from stator import language, yaml_tree
 from stator.diagnostics import MOST_BYTES, Mark, Report, beside
+from stator.nested import Listing
 from stator.prefix import prefixed
-from stator.shapes import VARIABLE, Listing, Record, misshaped
+from stator.shapes import VARIABLE, Record, misshaped
 from stator.yaml_tree import Mapping, Scalar, Sequence, Tree
 
 MOST_INCLUDES = 200
@@ -67,32 +68,52 @@ class Composer:
         if leaf is None:
             return None
         # Beside the including file first, then among Stator's own graphs.
-        beside_it, own = (Path(os.path.realpath(folder / leaf.value))
-                          for folder in (path.parent, self.roots[-1]))
+        beside_it, own = (
+            Path(os.path.realpath(folder / leaf.value)) for folder in (path.parent, self.roots[-1])
+        )
         file = beside_it if beside_it.is_file() or not own.is_file() else own
         if not any(file.is_relative_to(root) for root in self.roots):
-            self.report.error(leaf.mark, "include-path",
-                              f"'{leaf.value}' lies outside the graph's folder",
-                              "move the file into the folder of the graph, or below it")
+            self.report.error(
+                leaf.mark,
+                "include-path",
+                f"'{leaf.value}' lies outside the graph's folder",
+                "move the file into the folder of the graph, or below it",
+            )
             return None
         if not file.is_file():
-            self.report.error(leaf.mark, "include-missing", f"there is no file '{leaf.value}'",
-                              self.report.nearest(leaf.value, _files_near(file, path.parent)))
+            self.report.error(
+                leaf.mark,
+                "include-missing",
+                f"there is no file '{leaf.value}'",
+                self.report.nearest(leaf.value, _files_near(file, path.parent)),
+            )
             return None
         if file in above:
             names = [step.name for step in (*above[above.index(file) :], file)]
-            self.report.error(leaf.mark, "include-cycle", f"'{leaf.value}' includes itself: "
-                              + " -> ".join(names if len(names) < 8 else [*names[:6], "...", names[-1]]),
-                              "remove one of the includes on the way round")
+            self.report.error(
+                leaf.mark,
+                "include-cycle",
+                f"'{leaf.value}' includes itself: "
+                + " -> ".join(names if len(names) < 8 else [*names[:6], "...", names[-1]]),
+                "remove one of the includes on the way round",
+            )
             return None
         self._includes += 1
         if self._includes > MOST_INCLUDES:
-            self.report.error(leaf.mark, "include-many", f"more than {MOST_INCLUDES} includes",
-                              "each include counts, also of one file several times")
+            self.report.error(
+                leaf.mark,
+                "include-many",
+                f"more than {MOST_INCLUDES} includes",
+                "each include counts, also of one file several times",
+            )
             return None
         if self._bytes > MOST_BYTES:
-            self.report.error(leaf.mark, "file-too-large", "the files included before this one have "
-                              f"more than {MOST_BYTES} bytes", "include fewer or smaller ones")
+            self.report.error(
+                leaf.mark,
+                "file-too-large",
+                f"the files included before this one have more than {MOST_BYTES} bytes",
+                "include fewer or smaller ones",
+            )
             return None
         part = self.compose(file, above)
         if part is None:
@@ -123,9 +144,14 @@ class Composer:
             unknown.add(name)
             if given is None or name not in given.keys:
                 known = self.report.nearest(name, values)
-                self.report.error(tree.mark, "variable-unknown", f"{tree.text[:60]} has no value",
-                                  known or f"write `with: {{{name[:60]}: VALUE}}` at the include in "
-                                  f"{beside(tree.mark, record.mark)}")
+                self.report.error(
+                    tree.mark,
+                    "variable-unknown",
+                    f"{tree.text[:60]} has no value",
+                    known
+                    or f"write `with: {{{name[:60]}: VALUE}}` at the include in "
+                    f"{beside(tree.mark, record.mark)}",
+                )
             # In the place of a value that is missing: no second error about it.
             return tree
 
@@ -134,9 +160,12 @@ class Composer:
         for name in values:
             if name not in used and not get_close_matches(name, unknown):
                 mark = given.keys[name] if given is not None else record.mark
-                self.report.error(mark, "variable-unused",
-                                  f"nothing in the included file is ${{{name}}}",
-                                  "remove it, or write ${" + name + "} in the place of a whole value")
+                self.report.error(
+                    mark,
+                    "variable-unused",
+                    f"nothing in the included file is ${{{name}}}",
+                    "remove it, or write ${" + name + "} in the place of a whole value",
+                )
         return result
 
     def _join(self, first: Mapping, second: Mapping, own: Tree | None) -> Mapping:
@@ -170,8 +199,12 @@ def check_variables(tree: Tree, report: Report) -> None:
         for item in tree.items:
             check_variables(item, report)
     elif tree.text.startswith("${") and VARIABLE.fullmatch(tree.text):
-        report.error(tree.mark, "variable-unknown", f"{tree.text[:60]} has no value",
-                     "include this file from another one, with `with`")
+        report.error(
+            tree.mark,
+            "variable-unknown",
+            f"{tree.text[:60]} has no value",
+            "include this file from another one, with `with`",
+        )
 
 
 def _files_near(file: Path, folder: Path) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -70,6 +69,10 @@ class Failed(Exception):
         self.errors = errors
 
 
+class BuildFailed(Exception):
+    """CMake or the compiler failed; the message is what they said."""
+
+
 class Report:
     """Collects errors, so that a user sees all of them, in order of position."""
 
@@ -130,9 +133,9 @@ def shown_path(path: Path) -> str:
 
 
 def source_line(mark: Mark) -> tuple[str, int]:
-    """The line (or the part of it around the mark), and how many characters stand before the mark."""
+    """The line, or a part of it around the mark, and how many characters stand before the mark."""
     try:
-        state = os.stat(mark.file)
+        state = mark.file.stat()
         if state.st_size > MOST_BYTES:
             return "", 0
         lines = _lines(mark.file, state.st_mtime_ns, state.st_size)
@@ -147,7 +150,7 @@ def source_line(mark: Mark) -> tuple[str, int]:
 
 
 @lru_cache(maxsize=4)
-def _lines(file: Path, mtime_ns: int, size: int) -> list[str]:  # noqa: ARG001 - changes with the file
+def _lines(file: Path, mtime_ns: int, size: int) -> list[str]:  # they change with it
     if not Path(file).is_file():
         return []
     text = Path(file).read_bytes().decode("utf-8-sig", errors="replace")

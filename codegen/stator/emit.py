@@ -1,7 +1,7 @@
 """Writes the C++ of a plan: one small file for each emitted thing, rewritten only if changed.
 
-Same input, same bytes. The head of a file says from which file and line it comes; the body does not,
-so that an inserted comment changes heads only.
+Same input, same bytes. The head of a file says from which file and line it comes; the body does
+not, so that an inserted comment changes heads only.
 """
 
 from __future__ import annotations
@@ -31,11 +31,15 @@ def emit(plan: Plan) -> dict[str, str]:
     files: dict[str, str] = {}
     for message in rows.messages(plan):
         files[f"messages/{message.header}.hpp"] = _render(
-            "message.hpp.j2", message.mark, message=message, fields=rows.fields(message, rows.defaults(plan, message)))
+            "message.hpp.j2",
+            message.mark,
+            message=message,
+            fields=rows.fields(message, rows.defaults(plan, message)),
+        )
     for interface in rows.interfaces(plan):
         files[f"{interface.name}_ports.hpp"] = _render(
-            "ports.hpp.j2", _start(interface.file), interface=interface,
-            ports=rows.ports(interface))
+            "ports.hpp.j2", _start(interface.file), interface=interface, ports=rows.ports(interface)
+        )
     graph = _start(plan.graph.file)
     tasks = [rows.task(plan, task) for task in plan.tasks]
     topics = [rows.topic(plan, topic) for topic in plan.topics.values()]
@@ -49,13 +53,15 @@ def emit(plan: Plan) -> dict[str, str]:
         files["modes.cpp"] = _render("modes.cpp.j2", graph, modes=rows.modes(plan))
     log = rows.log(plan)
     if log is not None:
-        files["log_table.cpp"] = _render("log_table.cpp.j2", graph, log=log,
-                                         graph=plan.graph.name, hash=graph_hash(plan))
+        files["log_table.cpp"] = _render(
+            "log_table.cpp.j2", graph, log=log, graph=plan.graph.name, hash=graph_hash(plan)
+        )
     if plan.board.executor == "cortex_m":
         files |= _cortex_m(plan, tasks)
     elif plan.board.executor in EXECUTORS:
-        files["executor.cpp"] = _render(f"executor_{plan.board.executor}.cpp.j2", graph, tasks=tasks,
-                                        program=rows.program(plan))
+        files["executor.cpp"] = _render(
+            f"executor_{plan.board.executor}.cpp.j2", graph, tasks=tasks, program=rows.program(plan)
+        )
     files["plan.txt"] = plan_text(plan)
     files["graph.cmake"] = _render("graph.cmake.j2", graph, **rows.build(plan, files))
     return files
@@ -63,12 +69,12 @@ def emit(plan: Plan) -> dict[str, str]:
 
 def _cortex_m(plan: Plan, tasks: list[rows.Row]) -> dict[str, str]:
     """What bare metal needs besides: the vector table, lines as bits, the linker script."""
-    graph = _start(plan.graph.file)
+    graph, board = _start(plan.graph.file), _start(plan.board.file)
+    program = cortex_m.program(plan)
     return {
-        "executor.cpp": _render("executor_cortex_m.cpp.j2", graph, tasks=tasks,
-                                program=cortex_m.program(plan)),
-        "lines.hpp": _render("lines.hpp.j2", _start(plan.board.file), lines=cortex_m.lines(plan)),
-        "image.ld": _render("image.ld.j2", _start(plan.board.file), **cortex_m.image(plan)),
+        "executor.cpp": _render("executor_cortex_m.cpp.j2", graph, tasks=tasks, program=program),
+        "lines.hpp": _render("lines.hpp.j2", board, lines=cortex_m.lines(plan)),
+        "image.ld": _render("image.ld.j2", board, **cortex_m.image(plan)),
     }
 
 
@@ -113,13 +119,15 @@ _cached: list[jinja2.Environment] = []
 
 def _environment() -> jinja2.Environment:
     if not _cached:
-        _cached.append(jinja2.Environment(
-            loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
-            undefined=jinja2.StrictUndefined,
-            autoescape=False,  # noqa: S701 - C++, not HTML; every name was checked, texts are escaped
-            trim_blocks=True,
-            lstrip_blocks=True,
-            keep_trailing_newline=True,
-        ))
+        _cached.append(
+            jinja2.Environment(
+                loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+                undefined=jinja2.StrictUndefined,
+                autoescape=False,
+                trim_blocks=True,
+                lstrip_blocks=True,
+                keep_trailing_newline=True,
+            )
+        )
         _cached[0].filters.update(wrapped=rows.wrapped, snake=snake)
     return _cached[0]

@@ -31,11 +31,17 @@ def program(plan: Plan) -> Row:
         "entries": entries,
         "dispatchers": dispatchers,
         "board_interrupts": plan.board.interrupts,
-        "vectors": [{"number": number, "handler": handlers.get(number, "stator_fault"),
-                     "name": names.get(number, "not on this chip")}
-                    for number in range(max(names) + 1)],
-        "interrupts": [{"vector": vector, "level": level, "name": name}
-                       for vector, level, name in levels],
+        "vectors": [
+            {
+                "number": number,
+                "handler": handlers.get(number, "stator_fault"),
+                "name": names.get(number, "not on this chip"),
+            }
+            for number in range(max(names) + 1)
+        ],
+        "interrupts": [
+            {"vector": vector, "level": level, "name": name} for vector, level, name in levels
+        ],
         "timer_level": max(periodic, default=LOWEST_LEVEL),
         "task_count": len(plan.tasks),
         "clock_hz": chip.clock_hz,
@@ -46,8 +52,16 @@ def _entry(plan: Plan, task: Task) -> list[Row]:
     """The handler of a task that has its line's own vector: one row, or none for other tasks."""
     for trigger, device, vector in _wires(plan, task):
         if vector == task.vector and device.driver != "none":
-            return [{"vector": vector, "handler": f"enter_{task.node.name}", "node": task.node.name,
-                     "device": device.name, "line": trigger[0], "min_interarrival_us": trigger[1]}]
+            return [
+                {
+                    "vector": vector,
+                    "handler": f"enter_{task.node.name}",
+                    "node": task.node.name,
+                    "device": device.name,
+                    "line": trigger[0],
+                    "min_interarrival_us": trigger[1],
+                }
+            ]
     return []
 
 
@@ -62,11 +76,24 @@ def _dispatchers(plan: Plan) -> list[Row]:
                 continue
             # Tasks come most urgent first, so that the first one gives the level.
             name = names[vector]
-            row = found.setdefault(vector, {"vector": vector, "handler": f"dispatch_{name}",
-                                            "level": task.level, "comment": f"lines of {name}",
-                                            "lines": []})
-            row["lines"].append({"node": task.node.name, "device": device.name, "line": trigger[0],
-                                 "min_interarrival_us": trigger[1]})
+            row = found.setdefault(
+                vector,
+                {
+                    "vector": vector,
+                    "handler": f"dispatch_{name}",
+                    "level": task.level,
+                    "comment": f"lines of {name}",
+                    "lines": [],
+                },
+            )
+            row["lines"].append(
+                {
+                    "node": task.node.name,
+                    "device": device.name,
+                    "line": trigger[0],
+                    "min_interarrival_us": trigger[1],
+                }
+            )
     return [found[vector] for vector in sorted(found)]
 
 
@@ -76,17 +103,26 @@ def _wires(plan: Plan, task: Task) -> list[tuple[tuple[str, int], Device, int]]:
     if task.node.device is None:
         return []
     device = plan.board.devices[task.node.device]
-    return [((t.name, t.min_interarrival_us or 0), device,
-             plan.board.chip.vectors[vector_of(device.lines[t.name])])
-            for t in task.node.triggers if t.kind == "irq"]
+    return [
+        (
+            (t.name, t.min_interarrival_us or 0),
+            device,
+            plan.board.chip.vectors[vector_of(device.lines[t.name])],
+        )
+        for t in task.node.triggers
+        if t.kind == "irq"
+    ]
 
 
 def lines(plan: Plan) -> list[Row]:
     """The bit of each line of the board's bound devices."""
     assert plan.board.chip is not None
-    return [{"name": f"{device.name}_{line}", "wire": wire, **_bit(plan, vector_of(wire))}
-            for device in plan.board.devices.values() if device.driver != "none"
-            for line, wire in device.lines.items()]
+    return [
+        {"name": f"{device.name}_{line}", "wire": wire, **_bit(plan, vector_of(wire))}
+        for device in plan.board.devices.values()
+        if device.driver != "none"
+        for line, wire in device.lines.items()
+    ]
 
 
 def _bit(plan: Plan, name: str) -> Row:
@@ -98,5 +134,7 @@ def _bit(plan: Plan, name: str) -> Row:
 def image(plan: Plan) -> Row:
     """The memories of the linker script. `check` of the board has made sure that they are there."""
     assert plan.board.chip is not None
-    return {name: {"at": f"{memory.at:#010x}", "bytes": memory.bytes}
-            for name, memory in plan.board.chip.memory.items()}
+    return {
+        name: {"at": f"{memory.at:#010x}", "bytes": memory.bytes}
+        for name, memory in plan.board.chip.memory.items()
+    }

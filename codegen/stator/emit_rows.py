@@ -13,7 +13,8 @@ from stator.names import upper_camel
 
 if TYPE_CHECKING:
     from stator.model import Node, Trigger
-    from stator.plan import Plan, Task, TopicPlan
+    from stator.plan import Plan, Task
+    from stator.plan_topics import TopicPlan
 
 Row = dict[str, Any]
 WORD_BITS = 64
@@ -49,14 +50,18 @@ def fields(message: Message, defaults: dict[str, str]) -> list[Row]:
     offset = 0
     result = []
     for field in message.fields:
-        result.append({
-            "name": field.name,
-            "line": commented(f"{_cpp_type(field)} {field.name}{{{defaults.get(field.name, '')}}};",
-                              _comment(field)),
-            "enum": upper_camel(field.name) if field.values else "",
-            "values": [{"name": "k" + upper_camel(k), "value": v} for k, v in field.values],
-            "offset": offset,
-        })
+        result.append(
+            {
+                "name": field.name,
+                "line": commented(
+                    f"{_cpp_type(field)} {field.name}{{{defaults.get(field.name, '')}}};",
+                    _comment(field),
+                ),
+                "enum": upper_camel(field.name) if field.values else "",
+                "values": [{"name": "k" + upper_camel(k), "value": v} for k, v in field.values],
+                "offset": offset,
+            }
+        )
         offset += field.bytes
     return result
 
@@ -107,13 +112,19 @@ def ports(interface: Interface) -> Row:
     return {
         "class": interface.class_name,
         "headers": sorted(used | ({params.header} if params else set())),
-        "lines": [commented(f"bool {name} = false;", one_line(doc), 8)
-                  for name, doc in interface.lines.items()],
-        "inputs": [commented(f"Input<{p.message.name}> {p.name}{{}};", one_line(p.doc))
-                   for p in interface.inputs.values()],
+        "lines": [
+            commented(f"bool {name} = false;", one_line(doc), 8)
+            for name, doc in interface.lines.items()
+        ],
+        "inputs": [
+            commented(f"Input<{p.message.name}> {p.name}{{}};", one_line(p.doc))
+            for p in interface.inputs.values()
+        ],
         "params": params.name if params else "",
-        "outputs": [commented(f"Output<{p.message.name}> {p.name}{{}};", one_line(p.doc))
-                    for p in interface.outputs.values()],
+        "outputs": [
+            commented(f"Output<{p.message.name}> {p.name}{{}};", one_line(p.doc))
+            for p in interface.outputs.values()
+        ],
     }
 
 
@@ -156,19 +167,28 @@ def task(plan: Plan, planned: Task) -> Row:
         "level": planned.level,
         "level_begin": planned.level_begin,
         "lines": [t.name for t in node.triggers if t.kind == "irq"],
-        "line_limits": [{"name": t.name, "min_interarrival_us": t.min_interarrival_us or 0}
-                        for t in node.triggers if t.kind == "irq"],
-        "timers": [_timer(i, t) for i, t in enumerate(
-            t for t in node.triggers if t.kind == "every")],
+        "line_limits": [
+            {"name": t.name, "min_interarrival_us": t.min_interarrival_us or 0}
+            for t in node.triggers
+            if t.kind == "irq"
+        ],
+        "timers": [
+            _timer(i, t) for i, t in enumerate(t for t in node.triggers if t.kind == "every")
+        ],
         "inputs": inputs,
         "triggers": [i for i in inputs if i["kind"] == "trigger"],
         "thinned": [i for i in inputs if i["kind"] == "thinned"],
         "latest": [i for i in inputs if i["kind"] == "latest"],
         "queues": [i for i in inputs if i["kind"] == "queue"],
         "params_topic": f"{node.name}_params" if interface.params else "",
-        "outputs": [{"name": key, "topic": o.topic,
-                     "keep": "true" if node.name in plan.topics[o.topic].kept_by else "false"}
-                    for key, o in node.outputs.items()],
+        "outputs": [
+            {
+                "name": key,
+                "topic": o.topic,
+                "keep": "true" if node.name in plan.topics[o.topic].kept_by else "false",
+            }
+            for key, o in node.outputs.items()
+        ],
         "reads_log": interface.reads_log,
         "is_gated": plan.graph.modes is not None
         and any(node.name in names for names in plan.graph.modes.sets.values()),
@@ -184,13 +204,22 @@ def _input(plan: Plan, node: Node, key: str) -> Row:
     else:
         kind = "queue" if source.queue else "latest"
     age = source.max_age_us
-    return {"name": key, "topic": source.topic, "kind": kind, "max_age_us": age or 0,
-            "age": f", {age}" if age else ""}
+    return {
+        "name": key,
+        "topic": source.topic,
+        "kind": kind,
+        "max_age_us": age or 0,
+        "age": f", {age}" if age else "",
+    }
 
 
 def _timer(index: int, trigger: Trigger) -> Row:
-    return {"name": f"every_{index}", "bit": f"{1 << index}U", "period_us": trigger.period_us,
-            "offset_us": trigger.offset_us}
+    return {
+        "name": f"every_{index}",
+        "bit": f"{1 << index}U",
+        "period_us": trigger.period_us,
+        "offset_us": trigger.offset_us,
+    }
 
 
 # --- topics ---
@@ -199,16 +228,20 @@ def _timer(index: int, trigger: Trigger) -> Row:
 def topic(plan: Plan, planned: TopicPlan) -> Row:
     woken: list[Task] = []
     thinned: list[Row] = []
-    by_name = {t.node.name: t for t in plan.tasks}
     for name, _ in planned.readers:
         trigger = plan.graph.nodes[name].trigger_of(planned.name)
         if trigger is None:
             continue
         if trigger.min_interval_us is None:
-            woken.append(by_name[name])
+            woken.append(plan.task(name))
         else:
-            thinned.append({"node": name, "interval_us": trigger.min_interval_us,
-                            "pend": pend(plan, by_name[name])})
+            thinned.append(
+                {
+                    "node": name,
+                    "interval_us": trigger.min_interval_us,
+                    "pend": pend(plan, plan.task(name)),
+                }
+            )
     return {
         "name": planned.name,
         "message": planned.message.name,
@@ -238,24 +271,36 @@ def parameters(plan: Plan) -> list[Row]:
     for node in plan.graph.nodes.values():
         message = node.interface.params_message
         if message is not None:
-            result.append({
-                "topic": f"{node.name}_params",
-                "message": message.name,
-                "values": [{"name": key, "value": literal(value)}
-                           for key, value in node.params.items()],
-            })
+            result.append(
+                {
+                    "topic": f"{node.name}_params",
+                    "message": message.name,
+                    "values": [
+                        {"name": key, "value": literal(value)} for key, value in node.params.items()
+                    ],
+                }
+            )
     return result
 
 
 def modes(plan: Plan) -> Row:
     graph_modes = plan.graph.modes
     assert graph_modes is not None
-    gated = [node for node in plan.graph.nodes
-             if any(node in names for names in graph_modes.sets.values())]
-    sets = [{"name": name, "runs": ", ".join("true" if node in names else "false" for node in gated)}
-            for name, names in graph_modes.sets.items()]
-    return {"gated": gated, "sets": sets, "topic": MODE_TOPIC,
-            "initial": list(graph_modes.sets).index(graph_modes.initial)}
+    gated = [
+        node
+        for node in plan.graph.nodes
+        if any(node in names for names in graph_modes.sets.values())
+    ]
+    sets = [
+        {"name": name, "runs": ", ".join("true" if node in names else "false" for node in gated)}
+        for name, names in graph_modes.sets.items()
+    ]
+    return {
+        "gated": gated,
+        "sets": sets,
+        "topic": MODE_TOPIC,
+        "initial": list(graph_modes.sets).index(graph_modes.initial),
+    }
 
 
 def log(plan: Plan) -> Row | None:
@@ -263,11 +308,19 @@ def log(plan: Plan) -> Row | None:
         return None
     logged = [t for t in plan.topics.values() if t.log_us is not None]
     return {
-        "topics": [{"name": t.name, "format": _log_format(t.message), "interval_us": t.log_us,
-                    "bytes": sum(field.bytes for field in _logged_fields(t.message)),
-                    "floats": _log_floats(t.message)} for t in logged],
-        "parameters": [_log_parameter(node, key) for node in plan.graph.nodes.values()
-                       for key in node.params],
+        "topics": [
+            {
+                "name": t.name,
+                "format": _log_format(t.message),
+                "interval_us": t.log_us,
+                "bytes": sum(field.bytes for field in _logged_fields(t.message)),
+                "floats": _log_floats(t.message),
+            }
+            for t in logged
+        ],
+        "parameters": [
+            _log_parameter(node, key) for node in plan.graph.nodes.values() for key in node.params
+        ],
     }
 
 
@@ -318,13 +371,19 @@ def program(plan: Plan) -> Row:
     for level in range(16):
         # A level without tasks begins where the next lower one does.
         begins.append(sum(1 for task in plan.tasks if task.level > level))
-    return {"words": max(1, -(-len(plan.tasks) // WORD_BITS)), "level_begin": begins,
-            "task_count": len(plan.tasks)}
+    return {
+        "words": max(1, -(-len(plan.tasks) // WORD_BITS)),
+        "level_begin": begins,
+        "task_count": len(plan.tasks),
+    }
 
 
 def build(plan: Plan, files: dict[str, str]) -> Row:
-    folders = {node.interface.name: node.interface.file.parent
-               for node in plan.graph.nodes.values() if node.device is None}
+    folders = {
+        node.interface.name: node.interface.file.parent
+        for node in plan.graph.nodes.values()
+        if node.device is None
+    }
     for device in plan.board.devices.values():
         if device.driver != "none" and device.interface is not None:
             folder = device.interface.file.parent / device.driver.split("/")[1]
@@ -332,11 +391,11 @@ def build(plan: Plan, files: dict[str, str]) -> Row:
     inputs = [*plan.graph.files, plan.board.file]
     return {
         "sources": [name for name in files if name.endswith(".cpp")],
-        "libraries": [{"name": name, "folder": str(folder)} for name, folder in sorted(folders.items())],
+        "libraries": [
+            {"name": name, "folder": str(folder)} for name, folder in sorted(folders.items())
+        ],
         "board": str(plan.board.file.parent),
         "executor": plan.board.executor,
         "inputs": sorted({str(path) for path in inputs}),
         "home": str(HOME),
     }
-
-

@@ -13,7 +13,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from stator.build import BuildFailed, build_plant
+from stator.build import build_plant
+from stator.diagnostics import BuildFailed
 from stator.firmware import build_image
 from stator.fly import add_flight_arguments, default_log, facts_of, progress, report
 from stator.library import HOME
@@ -29,7 +30,7 @@ ICOUNT = "shift=3,align=off,sleep=off"
 END_S = 10.0  # how long the one side may take to see that the other one has ended
 
 
-class NoEmulator(Exception):  # noqa: N818
+class NoEmulator(Exception):
     """No QEMU here that emulates the chip well enough; the message says what to do."""
 
 
@@ -124,7 +125,9 @@ def fly(
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         world = subprocess.Popen(plant, cwd=folder, **pipes)  # type: ignore[call-overload]
         machine = subprocess.Popen(
-            qemu_command(emulator, image.resolve()), cwd=folder, **pipes  # type: ignore[call-overload]
+            qemu_command(emulator, image.resolve()),
+            cwd=folder,
+            **pipes,  # type: ignore[call-overload]
         )
         try:
             _wait(world, machine)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stator.diagnostics import shown_path
-from stator.plan import Rates
 from stator.plan_text import triggers_text
+from stator.rates import Rates
 from stator.shapes import quoted
 
 if TYPE_CHECKING:
@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from stator.model import Node
-    from stator.plan import Plan, Task, TopicPlan
+    from stator.plan import Plan, Task
+    from stator.plan_topics import TopicPlan
 
 
 LABEL_WIDTH = 36
@@ -38,13 +39,24 @@ def _node(plan: Plan, task: Task) -> list[str]:
         _row("app" if node.device is None else "device", _what(plan, node)),
         _row("wakes on", triggers_text(node)),
         _row("period", _period(rates.node(node.name))),
-        _row("level", f"{task.level} of {max(t.level for t in plan.tasks)}, "
-             + ("from its deadline, as the graph gives no priorities" if plan.derived
-                else "as the graph says")),
+        _row(
+            "level",
+            f"{task.level} of {max(t.level for t in plan.tasks)}, "
+            + (
+                "from its deadline, as the graph gives no priorities"
+                if plan.derived
+                else "as the graph says"
+            ),
+        ),
     ]
     if task.vector is not None and plan.board.chip is not None:
-        lines.append(_row("vector", f"{task.vector} of {plan.board.chip.name.split('/')[-1]}, "
-                          + _vector_reason(plan, node)))
+        lines.append(
+            _row(
+                "vector",
+                f"{task.vector} of {plan.board.chip.name.split('/')[-1]}, "
+                + _vector_reason(plan, node),
+            )
+        )
     peers = [t.node.name for t in plan.tasks if t.level == task.level]
     if len(peers) > 1:
         lines.append(_row("order", f"in its level: {', '.join(peers)}"))
@@ -52,10 +64,17 @@ def _node(plan: Plan, task: Task) -> list[str]:
     lines.append(_row("preempts", _names(t for t in plan.tasks if t.level < task.level)))
     for key, source in node.inputs.items():
         topic = plan.topics[source.topic]
-        kind = "in order" if node.trigger_of(source.topic) else "queue" if source.queue else "latest"
+        kind = (
+            "in order" if node.trigger_of(source.topic) else "queue" if source.queue else "latest"
+        )
         age = f", absent when older than {source.max_age_us} us" if source.max_age_us else ""
-        lines.append(_row(f"reads {key}", f"{topic.name} ({topic.message.name}) from "
-                          f"{', '.join(topic.publishers)}; {kind}{age}"))
+        lines.append(
+            _row(
+                f"reads {key}",
+                f"{topic.name} ({topic.message.name}) from "
+                f"{', '.join(topic.publishers)}; {kind}{age}",
+            )
+        )
     for key, output in node.outputs.items():
         readers = ", ".join(name for name, _ in plan.topics[output.topic].readers) or "nobody"
         lines.append(_row(f"writes {key}", f"{output.topic}, read by {readers}"))
@@ -81,8 +100,10 @@ def _topic(plan: Plan, topic: TopicPlan) -> list[str]:
     return [
         f"{topic.name}: {topic.message.doc}",
         _row("message", f"{topic.message.name}, {topic.message.bytes} bytes"),
-        _row("from", ", ".join(map(with_level, topic.publishers))
-             or f"the parameters of {topic.owner}"),
+        _row(
+            "from",
+            ", ".join(map(with_level, topic.publishers)) or f"the parameters of {topic.owner}",
+        ),
         _row("read by", ", ".join(with_level(name) for name, _ in topic.readers) or "nobody"),
         _row("period", _period(topic.period_us)),
         _row("depth", str(topic.depth)),

@@ -9,8 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from stator.build import BuildFailed, build
-from stator.diagnostics import shown_path
+from stator.build import SLEEP, build
+from stator.diagnostics import BuildFailed, shown_path
 from stator.image_checks import faults_of
 
 TOOLS = "arm-none-eabi-"
@@ -29,15 +29,20 @@ def main(arguments: argparse.Namespace) -> int:
     except BuildFailed as failed:
         print(failed, file=sys.stderr)
         return 2
-    files = {"elf": image, "bin": _convert(image, "binary", ".bin"),
-             "hex": _convert(image, "ihex", ".hex")}
+    files = {
+        "elf": image,
+        "bin": _convert(image, "binary", ".bin"),
+        "hex": _convert(image, "ihex", ".hex"),
+    }
     sizes = sizes_of(image.with_name(image.name + ".map"))
     total = total_of(image)
     if arguments.json:
         facts: dict[str, object] = {key: str(path) for key, path in files.items()}
         facts |= {"flash_bytes": total[0], "ram_bytes": total[1]}
-        facts["parts"] = {name: dict(zip(("flash_bytes", "ram_bytes"), size, strict=True))
-                          for name, size in sizes.items()}
+        facts["parts"] = {
+            name: dict(zip(("flash_bytes", "ram_bytes"), size, strict=True))
+            for name, size in sizes.items()
+        }
         print(json.dumps(facts, indent=2))
         return 0
     width = max(map(len, sizes))
@@ -50,7 +55,7 @@ def main(arguments: argparse.Namespace) -> int:
 
 def build_image(graph: Path, board: str | None, *, sleep: bool = False) -> Path:
     """The graph's image for bare metal. Raises `BuildFailed` if it holds what no image may."""
-    image = build(graph, board, executor="cortex_m", sleep=sleep)
+    image = build(graph, board, SLEEP if sleep else None, executor="cortex_m")
     faults = faults_of(image)
     if faults:
         raise BuildFailed("\n".join(f"error: {fault}" for fault in faults))
@@ -59,8 +64,9 @@ def build_image(graph: Path, board: str | None, *, sleep: bool = False) -> Path:
 
 def total_of(image: Path) -> tuple[int, int]:
     """Bytes of flash and RAM. Parts may add up to a little more: the linker merges equal texts."""
-    lines = subprocess.run([TOOLS + "size", "-A", image], check=True, capture_output=True,
-                           text=True).stdout.splitlines()
+    lines = subprocess.run(
+        [TOOLS + "size", "-A", image], check=True, capture_output=True, text=True
+    ).stdout.splitlines()
     size = {line.split()[0]: int(line.split()[1]) for line in lines if line.startswith(".")}
     return size[".text"] + size[".data"], size[".data"] + size[".bss"]
 
@@ -72,14 +78,15 @@ def _convert(image: Path, kind: str, suffix: str) -> Path:
 
 
 _SECTION = re.compile(
-    r"^ (\.[\w.]*|COMMON)\S*\s+0x([0-9a-f]{8,16})\s+0x([0-9a-f]+)\s+(\S.*)$", re.MULTILINE)
+    r"^ (\.[\w.]*|COMMON)\S*\s+0x([0-9a-f]{8,16})\s+0x([0-9a-f]+)\s+(\S.*)$", re.MULTILINE
+)
 
 
 def sizes_of(map_file: Path) -> dict[str, tuple[int, int]]:
     """Bytes of flash and RAM of each part, the largest first, from the linker's map. Initialised
     data takes both; the stack is not in it."""
     text = map_file.read_text(encoding="utf-8")
-    text = text[text.index("Linker script and memory map"):].replace("\n                ", " ")
+    text = text[text.index("Linker script and memory map") :].replace("\n                ", " ")
     found: dict[str, list[int]] = {}
     for section, address, size, file in _SECTION.findall(text):
         if int(address, 16) == 0 or section.startswith((".debug", ".comment", ".ARM")):
@@ -88,8 +95,10 @@ def sizes_of(map_file: Path) -> dict[str, tuple[int, int]]:
         kind = section.split(".")[1] if "." in section else "bss"
         part[0] += int(size, 16) if kind != "bss" else 0
         part[1] += int(size, 16) if kind in ("bss", "data") else 0
-    return {name: (sizes[0], sizes[1])
-            for name, sizes in sorted(found.items(), key=lambda item: (-item[1][0], item[0]))}
+    return {
+        name: (sizes[0], sizes[1])
+        for name, sizes in sorted(found.items(), key=lambda item: (-item[1][0], item[0]))
+    }
 
 
 def _part(file: str) -> str:

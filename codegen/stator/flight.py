@@ -31,7 +31,7 @@ NAV_STATES = {0: "manual", HOLD: "hold", 17: "take-off", 18: "landing"}
 TRUTH_COLUMNS = 15
 
 
-class UnreadableFlight(Exception):  # noqa: N818 (a flight is no error)
+class UnreadableFlight(Exception):
     """The log or the truth lacks what a judgement needs."""
 
 

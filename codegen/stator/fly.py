@@ -12,8 +12,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stator.build import BuildFailed, build
-from stator.diagnostics import shown_path
+from stator.build import PREEMPTION, build
+from stator.diagnostics import BuildFailed, shown_path
 from stator.library import HOME
 
 if TYPE_CHECKING:
@@ -74,12 +74,8 @@ def main(arguments: argparse.Namespace) -> int:
     log = arguments.output or default_log(arguments.graph, arguments.seed)
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     try:
-        program = build(
-            arguments.graph,
-            arguments.board,
-            executor="virtual",
-            preemption_points=arguments.times == "random",
-        )
+        variant = PREEMPTION if arguments.times == "random" else None
+        program = build(arguments.graph, arguments.board, variant, executor="virtual")
     except BuildFailed as failed:
         print(failed, file=sys.stderr)
         return 2

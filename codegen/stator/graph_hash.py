@@ -1,5 +1,5 @@
-"""The hash that says whether two builds behave alike: topics, messages, app nodes with interfaces and
-parameters, device classes and the plan; not board, driver, budgets or text."""
+"""The hash that says whether two builds behave alike: topics, messages, app nodes with interfaces
+and parameters, device classes and the plan; not board, driver, budgets or text."""
 
 from __future__ import annotations
 
@@ -30,8 +30,17 @@ def _content(plan: Plan) -> dict[str, Any]:
                 "params": {key: str(value) for key, value in node.params.items()},
                 "inputs": {key: [i.topic, i.max_age_us, i.queue] for key, i in node.inputs.items()},
                 "outputs": {key: o.topic for key, o in node.outputs.items()},
-                "triggers": [[t.kind, t.name, t.min_interarrival_us, t.min_interval_us, t.period_us,
-                              t.offset_us] for t in node.triggers],
+                "triggers": [
+                    [
+                        t.kind,
+                        t.name,
+                        t.min_interarrival_us,
+                        t.min_interval_us,
+                        t.period_us,
+                        t.offset_us,
+                    ]
+                    for t in node.triggers
+                ],
             }
             for node in graph.nodes.values()
         },

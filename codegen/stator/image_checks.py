@@ -14,12 +14,10 @@ TOOLS = "arm-none-eabi-"
 # Symbols, and why none of them may be there.
 FORBIDDEN = {
     r"_?(malloc|calloc|realloc|free|sbrk)(_r)?|_sbrk(_r)?|_Zn[wa]\w*|_Zd[la]\w*": "the heap",
-    r"__cxa_(throw|allocate_exception|begin_catch|rethrow)|_Unwind_\w+|__gxx_personality_v0":
-        "exceptions",
+    r"__cxa_(throw|allocate_exception|begin_catch|rethrow)|_Unwind_\w+|__gxx_personality_v0": "exceptions",
     r"_ZT[IS]\w+": "run-time type information",
     r"_ZGV\w+|__cxa_guard_\w+": "a guard variable",
-    r"__aeabi_(d\w+|[filu]+2d|f2d|h2d)|__\w+df[23]|__\w+didf|__\w+sidf|__truncdfsf2|__extendsfdf2":
-        "double precision, which this chip has no instructions for",
+    r"__aeabi_(d\w+|[filu]+2d|f2d|h2d)|__\w+df[23]|__\w+didf|__\w+sidf|__truncdfsf2|__extendsfdf2": "double precision, which this chip has no instructions for",
 }
 # From newlib's libm; our own are in stator::math, so that a plain C name is none of ours.
 NAMES = """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2
@@ -42,10 +40,17 @@ def faults_of(image: Path) -> list[str]:
 
 def _symbol_faults(image: Path) -> list[str]:
     names = [line.split()[-1] for line in _run("nm", str(image)).splitlines() if line.split()]
-    faults = [f"the image has {name}: {why}" for name in names
-              for pattern, why in FORBIDDEN.items() if re.fullmatch(pattern, name)]
-    return faults + [f"the image has {name}: libm, which gives other bits on other machines"
-                     for name in names if name in LIBM]
+    faults = [
+        f"the image has {name}: {why}"
+        for name in names
+        for pattern, why in FORBIDDEN.items()
+        if re.fullmatch(pattern, name)
+    ]
+    return faults + [
+        f"the image has {name}: libm, which gives other bits on other machines"
+        for name in names
+        if name in LIBM
+    ]
 
 
 def _instruction_faults(image: Path) -> list[str]:
@@ -63,5 +68,6 @@ def _instruction_faults(image: Path) -> list[str]:
 
 
 def _run(tool: str, *arguments: str) -> str:
-    return subprocess.run([TOOLS + tool, *arguments], check=True, capture_output=True,
-                          text=True).stdout
+    return subprocess.run(
+        [TOOLS + tool, *arguments], check=True, capture_output=True, text=True
+    ).stdout

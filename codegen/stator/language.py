@@ -5,22 +5,9 @@ The checker, the JSON Schema for editors and the reference are all made from thi
 
 from __future__ import annotations
 
-from stator.shapes import (
-    Boolean,
-    NAME_PATTERN,
-    Choice,
-    Integer,
-    Key,
-    Listing,
-    Name,
-    OneOrMore,
-    Period,
-    Raw,
-    Short,
-    Struct,
-    Table,
-    Text,
-)
+from stator.nested import Key, Listing, OneOrMore, Short, Struct, Table
+from stator.period import Period
+from stator.shapes import NAME_PATTERN, Boolean, Choice, Integer, Name, Raw, Text
 
 MOST_LEVELS = 15
 DEPTHS = (1, 2, 4, 8, 16)
@@ -30,21 +17,38 @@ MOST_TIMERS = 32  # of one node: a bit each in what woke it
 MOST_MODES = 255
 MOST_LOGGED_BYTES = 1000  # of a message; a block of the log holds no more
 
-MESSAGE_NAME = Text("[A-Z][A-Za-z0-9]{0,62}", "a message name", "bad-name",
-                    "message names are UpperCamel, such as SensorGyro")
+MESSAGE_NAME = Text(
+    "[A-Z][A-Za-z0-9]{0,62}",
+    "a message name",
+    "bad-name",
+    "message names are UpperCamel, such as SensorGyro",
+)
 _PATH_PART = "[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}"
-RELATIVE_PATH = Text(rf"(\.\./){{0,8}}({_PATH_PART}/){{0,8}}{_PATH_PART}\.yaml",
-                     "the path of a .yaml file, relative to this one", "include-path",
-                     "for example parts/estimation.yaml")
-PREFIX = Text("[a-z][a-z0-9]*(_[a-z0-9]+)*_?", "a prefix", "bad-name",
-              "lower case letters, digits and single underscores, such as left_")
+RELATIVE_PATH = Text(
+    rf"(\.\./){{0,8}}({_PATH_PART}/){{0,8}}{_PATH_PART}\.yaml",
+    "the path of a .yaml file, relative to this one",
+    "include-path",
+    "for example parts/estimation.yaml",
+)
+PREFIX = Text(
+    "[a-z][a-z0-9]*(_[a-z0-9]+)*_?",
+    "a prefix",
+    "bad-name",
+    "lower case letters, digits and single underscores, such as left_",
+)
 # It stands in comments and in the log's format, on one line.
-UNIT = Text(r"[!-\[\]-~°µ ]{1,32}", "a unit", hint="one short line, for example m/s^2, or \"1\" for none")
+UNIT = Text(
+    r"[!-\[\]-~°µ ]{1,32}", "a unit", hint='one short line, for example m/s^2, or "1" for none'
+)
 _LATER = "graphs over several machines come in a later version"
 
 INCLUDE = Struct(
     {
-        "file": Key(RELATIVE_PATH, "The file to include, relative to this one, or one of Stator's own graphs.", required=True),
+        "file": Key(
+            RELATIVE_PATH,
+            "The file to include, relative to this one, or one of Stator's own graphs.",
+            required=True,
+        ),
         "with": Key(Table(Raw(may_be_variable=True), "a variable"), "Values for its ${variables}."),
         "prefix": Key(PREFIX, "Put in front of its node names and the topics it publishes."),
     }
@@ -53,8 +57,11 @@ INCLUDE = Struct(
 TRIGGER = Struct(
     {
         "irq": Key(Name("a line"), "A line of the node's device."),
-        "min_interarrival": Key(Period(), "The least time between two events of the line; an assumption "
-                                "of the proof, checked at run time."),
+        "min_interarrival": Key(
+            Period(),
+            "The least time between two events of the line; an assumption "
+            "of the proof, checked at run time.",
+        ),
         "topic": Key(Name("a topic"), "A topic among the node's inputs."),
         "min_interval": Key(Period(), "Activate at most this often, keeping the mean rate."),
         "every": Key(Period(), "A period."),
@@ -78,13 +85,19 @@ NODE = Struct(
     {
         "app": Key(Name("an app"), "The class of the node; its own name if left out."),
         "device": Key(Name("a device"), "The device that this driver node owns."),
-        "trigger": Key(OneOrMore(TRIGGER), "What activates the node; any one of a list.", required=True),
+        "trigger": Key(
+            OneOrMore(TRIGGER), "What activates the node; any one of a list.", required=True
+        ),
         "priority": Key(Integer(1, MOST_LEVELS), "1 (least urgent) to 15 (most)."),
         "deadline": Key(Period(), "Latest end of an activation after its release."),
         "budget": Key(Period(), "The most execution time of one activation."),
         "inputs": Key(Table(INPUT, "an input"), "Input ports and the topics they read."),
-        "outputs": Key(Table(Name("a topic"), "an output"), "Output ports and the topics they publish."),
-        "params": Key(Table(Raw(), "a parameter"), "Values that differ from the interface's defaults."),
+        "outputs": Key(
+            Table(Name("a topic"), "an output"), "Output ports and the topics they publish."
+        ),
+        "params": Key(
+            Table(Raw(), "a parameter"), "Values that differ from the interface's defaults."
+        ),
     },
     reserved={"machine": _LATER},
 )
@@ -122,10 +135,14 @@ GRAPH = Struct(
             Table(
                 Struct(
                     {
-                        "path": Key(Listing(Name("a node"), least=2), "The nodes, first to last.",
-                                    required=True),
-                        "deadline": Key(Period(), "Latest end after the first node's release.",
-                                        required=True),
+                        "path": Key(
+                            Listing(Name("a node"), least=2),
+                            "The nodes, first to last.",
+                            required=True,
+                        ),
+                        "deadline": Key(
+                            Period(), "Latest end after the first node's release.", required=True
+                        ),
                     }
                 ),
                 "a chain",
@@ -138,20 +155,28 @@ GRAPH = Struct(
 
 FIELD = Struct(
     {
-        "type": Key(Text(what="a type"), "bool, float, double, int8 to int64, uint8 to uint64; "
-                    'arrays as "float[3]".', required=True),
+        "type": Key(
+            Text(what="a type"),
+            'bool, float, double, int8 to int64, uint8 to uint64; arrays as "float[3]".',
+            required=True,
+        ),
         "unit": Key(UNIT, "Unit of the value."),
         "frame": Key(Choice(("B", "N")), "Body or local north-east-down."),
-        "values": Key(Table(Integer(0, 255), "a value", key_pattern=NAME_PATTERN),
-                      "Names of an enumeration's values."),
+        "values": Key(
+            Table(Integer(0, 255), "a value", key_pattern=NAME_PATTERN),
+            "Names of an enumeration's values.",
+        ),
         "doc": Key(Text(), "What it is.", required=True),
     }
 )
 MESSAGE = Struct(
     {
         "doc": Key(Text(), "What one sample is.", required=True),
-        "fields": Key(Table(FIELD, "a field"), "The fields; `timestamp` comes in front by itself.",
-                      required=True),
+        "fields": Key(
+            Table(FIELD, "a field"),
+            "The fields; `timestamp` comes in front by itself.",
+            required=True,
+        ),
     }
 )
 
@@ -177,8 +202,10 @@ PARAM = Struct(
 INTERFACE = Struct(
     {
         "doc": Key(Text(), "The node's place in the vehicle.", required=True),
-        "lines": Key(Table(Struct({"doc": Key(Text(), "When it comes.", required=True)}), "a line"),
-                     "Events of the device (device classes only)."),
+        "lines": Key(
+            Table(Struct({"doc": Key(Text(), "When it comes.", required=True)}), "a line"),
+            "Events of the device (device classes only).",
+        ),
         "inputs": Key(Table(INPUT_PORT, "an input"), "Input ports."),
         "outputs": Key(Table(OUTPUT_PORT, "an output"), "Output ports."),
         "params": Key(Table(PARAM, "a parameter"), "Parameters."),
@@ -189,33 +216,57 @@ INTERFACE = Struct(
 PIN = "P[A-K](1[0-5]|[0-9])"
 DEVICE = Struct(
     {
-        "driver": Key(Text("none|[a-z][a-z0-9_]{0,40}/[a-z][a-z0-9_]{0,40}", "a driver",
-                           hint="write CLASS/PART as in the folder drivers/, or none"),
-                      "The driver's folder below drivers/, or none.", required=True),
+        "driver": Key(
+            Text(
+                "none|[a-z][a-z0-9_]{0,40}/[a-z][a-z0-9_]{0,40}",
+                "a driver",
+                hint="write CLASS/PART as in the folder drivers/, or none",
+            ),
+            "The driver's folder below drivers/, or none.",
+            required=True,
+        ),
         "class": Key(Name("a device class"), "The device class, where driver is none."),
         "bus": Key(Name("a bus"), "The bus it is on."),
-        "pins": Key(Table(Text(PIN, "a pin", hint="write port and number, such as PC2"), "a pin"), "Its pins."),
-        "lines": Key(Table(Text("[A-Za-z0-9_]{1,40}", "a pin or a peripheral"), "a line"),
-                     "The pin or peripheral of each line."),
+        "pins": Key(
+            Table(Text(PIN, "a pin", hint="write port and number, such as PC2"), "a pin"),
+            "Its pins.",
+        ),
+        "lines": Key(
+            Table(Text("[A-Za-z0-9_]{1,40}", "a pin or a peripheral"), "a line"),
+            "The pin or peripheral of each line.",
+        ),
     }
 )
 BOARD = Struct(
     {
         "doc": Key(Text(), "What the board is."),
-        "executor": Key(Choice(("cortex_m", "pthread", "virtual")), "Which runtime.", required=True),
-        "chip": Key(Text(rf"{_PATH_PART}(/{_PATH_PART}){{0,3}}", "a chip file such as stm32f4/stm32f427"),
-                    "The chip's file below boards/, without .yaml."),
-        "reserved_vectors": Key(Listing(Text("[a-z0-9_]{1,40}", "a vector")),
-                                "Vectors the board itself needs; no task gets them."),
-        "interrupts": Key(Listing(Text("[a-z0-9_]{1,40}", "a vector")),
-                          "Vectors whose handlers are the board's own code; no task gets them."),
-        "devices": Key(Table(DEVICE, "a device"), "The devices and what drives them.", required=True),
+        "executor": Key(
+            Choice(("cortex_m", "pthread", "virtual")), "Which runtime.", required=True
+        ),
+        "chip": Key(
+            Text(rf"{_PATH_PART}(/{_PATH_PART}){{0,3}}", "a chip file such as stm32f4/stm32f427"),
+            "The chip's file below boards/, without .yaml.",
+        ),
+        "reserved_vectors": Key(
+            Listing(Text("[a-z0-9_]{1,40}", "a vector")),
+            "Vectors the board itself needs; no task gets them.",
+        ),
+        "interrupts": Key(
+            Listing(Text("[a-z0-9_]{1,40}", "a vector")),
+            "Vectors whose handlers are the board's own code; no task gets them.",
+        ),
+        "devices": Key(
+            Table(DEVICE, "a device"), "The devices and what drives them.", required=True
+        ),
     }
 )
 MEMORY = Struct(
     {
-        "at": Key(Text("0x[0-9A-Fa-f]{1,8}", "an address", hint='write it as "0x20000000"'),
-                  "Where it begins.", required=True),
+        "at": Key(
+            Text("0x[0-9A-Fa-f]{1,8}", "an address", hint='write it as "0x20000000"'),
+            "Where it begins.",
+            required=True,
+        ),
         "bytes": Key(Integer(1, 2**32 - 1), "How large it is.", required=True),
     }
 )
@@ -223,12 +274,22 @@ CHIP = Struct(
     {
         "doc": Key(Text(), "The chip, and the manual behind this file."),
         "core": Key(Text(), "The core.", required=True),
-        "clock": Key(Text(r"[1-9][0-9]{0,3} MHz", "a frequency", hint="write whole megahertz, such as 168 MHz"),
-                     "Core clock.", required=True),
+        "clock": Key(
+            Text(
+                "[1-9][0-9]{0,3} MHz",
+                "a frequency in MHz",
+                hint="write whole megahertz, such as 168 MHz",
+            ),
+            "Core clock.",
+            required=True,
+        ),
         "priority_bits": Key(Integer(2, 8), "Bits of an NVIC priority.", required=True),
-        "memory": Key(Table(MEMORY, "a memory"), "Name: {at, bytes}. An image needs flash, ram and ccm."),
-        "vectors": Key(Table(Integer(0, 239), "a vector", key_pattern=NAME_PATTERN),
-                       "Interrupt lines the chip really has.", required=True),
+        "memory": Key(Table(MEMORY, "a memory"), "Name: {at, bytes}; flash, ram and ccm."),
+        "vectors": Key(
+            Table(Integer(0, 239), "a vector", key_pattern=NAME_PATTERN),
+            "Interrupt lines the chip really has.",
+            required=True,
+        ),
     }
 )
 # graph/budgets/BOARD.yaml: the most execution time of each node, as measured on that board.

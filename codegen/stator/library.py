@@ -59,8 +59,9 @@ class Library:
         result: dict[str, Path] = self._once("folders", "messages", find)
         return result
 
-    def _folders(self, top: str, pattern: str, name: Callable[[Path], str],
-                 file: Callable[[Path], Path]) -> dict[str, Path]:
+    def _folders(
+        self, top: str, pattern: str, name: Callable[[Path], str], file: Callable[[Path], Path]
+    ) -> dict[str, Path]:
         def find() -> dict[str, Path]:
             found: dict[str, Path] = {}
             for base in self._bases:
@@ -95,9 +96,13 @@ class Library:
     def message(self, name: str, mark: Mark) -> Message | None:
         path = self.messages().get(name)
         if path is None:
-            self.report.error(mark, "message-unknown", f"there is no message '{name}'",
-                              self.report.nearest(name, self.messages())
-                              or f"make messages/{name}.yaml beside the graph")
+            self.report.error(
+                mark,
+                "message-unknown",
+                f"there is no message '{name}'",
+                self.report.nearest(name, self.messages())
+                or f"make messages/{name}.yaml beside the graph",
+            )
             return None
         found: Message | None = self._once("message", name, lambda: read_message(self, name, path))
         return found
@@ -105,30 +110,42 @@ class Library:
     def app(self, name: str, mark: Mark) -> Interface | None:
         path = self.apps().get(name)
         if path is None:
-            self.report.error(mark, "app-unknown", f"there is no app '{name}'",
-                              self.report.nearest(name, self.apps())
-                              or f"make apps/{name}/{name}.yaml")
+            self.report.error(
+                mark,
+                "app-unknown",
+                f"there is no app '{name}'",
+                self.report.nearest(name, self.apps()) or f"make apps/{name}/{name}.yaml",
+            )
             return None
         found: Interface | None = self._once(
-            "app", name, lambda: read_interface(self, name, path, is_app=True))
+            "app", name, lambda: read_interface(self, name, path, is_app=True)
+        )
         return found
 
     def device_class(self, name: str, mark: Mark) -> Interface | None:
         path = self.classes().get(name)
         if path is None:
-            self.report.error(mark, "class-unknown", f"there is no device class '{name}'",
-                              self.report.nearest(name, self.classes())
-                              or f"make drivers/{name}/{name}.yaml")
+            self.report.error(
+                mark,
+                "class-unknown",
+                f"there is no device class '{name}'",
+                self.report.nearest(name, self.classes()) or f"make drivers/{name}/{name}.yaml",
+            )
             return None
         found: Interface | None = self._once(
-            "class", name, lambda: read_interface(self, name, path, is_app=False))
+            "class", name, lambda: read_interface(self, name, path, is_app=False)
+        )
         return found
 
     def board(self, name: str, mark: Mark, note: str = "") -> Board | None:
         path = self.boards().get(name)
         if path is None:
-            self.report.error(mark, "board-unknown", f"there is no board '{name}'{note}",
-                              self.report.nearest(name, self.boards()))
+            self.report.error(
+                mark,
+                "board-unknown",
+                f"there is no board '{name}'{note}",
+                self.report.nearest(name, self.boards()),
+            )
             return None
         found: Board | None = self._once("board", name, lambda: read_board(self, name, path))
         return found

@@ -1,5 +1,6 @@
 """Names that a graph cannot use, because C++, the C library or the runtime has taken them."""
 
+# ruff: noqa: SIM905 - words read best as words
 from __future__ import annotations
 
 _CPP_KEYWORDS = frozenset(
@@ -17,9 +18,9 @@ _RUNTIME = frozenset("std stator now fired params timestamp main step".split())
 # Namespaces and functions that generated code names without qualification beside nodes and topics,
 # its own header files, and CMake targets.
 _GENERATED = frozenset(
-    """tasks topics board boards modes math testing messages parameters executor log_table interfaces
-    generated all_slots served_now later nominal_time_us set_pending clear_pending has_unread
-    lost_samples preempt take_latest release""".split()
+    """tasks topics board boards modes math testing messages parameters executor log_table
+    interfaces generated all_slots served_now later nominal_time_us set_pending clear_pending
+    has_unread lost_samples preempt take_latest release""".split()
 )
 _CLASSES = ("a node", "an app", "a device class")  # a node's name is its app's, as a rule
 _IN_GENERATED = ("a node", "an app", "a topic", "a device", "a device class")
@@ -40,13 +41,20 @@ def reserved_reason(name: str, what: str = "") -> str:
         return "the C library has taken it"
     if name.endswith("_t"):
         return "names that end in _t are types of the C library"
-    if what in _IN_GENERATED and name in _GENERATED:
+    if (what in _IN_GENERATED and name in _GENERATED) or _is_variable(name, what):
         return "generated code has taken it"
     if name in _RUNTIME or (what in _CLASSES and upper_camel(name) in _TYPES):
         return "the runtime has taken it"
     if "__" in name or name.endswith("_"):
         return "underscores stand singly and between other characters"
     return ""
+
+
+def _is_variable(name: str, what: str) -> bool:
+    """Whether a task or its ports have a variable of this name already."""
+    if what == "a line":
+        return name == "timers"
+    return what == "an input" and name.startswith("every_") and name[6:].isdigit()
 
 
 def is_reserved_type(name: str) -> bool:

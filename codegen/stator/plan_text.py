@@ -8,7 +8,8 @@ from stator.graph_hash import graph_hash
 
 if TYPE_CHECKING:
     from stator.model import Node
-    from stator.plan import Plan, TopicPlan
+    from stator.plan import Plan
+    from stator.plan_topics import TopicPlan
 
 
 def plan_text(plan: Plan) -> str:
@@ -17,11 +18,19 @@ def plan_text(plan: Plan) -> str:
         f"planned for {plan.graph.board.name}",
         f"hash {graph_hash(plan)}",
         "",
-        *_table([("level", "task", "vector", "triggers"), *(_task(plan, i) for i in
-                                                            range(len(plan.tasks)))]),
+        *_table(
+            [
+                ("level", "task", "vector", "triggers"),
+                *(_task(plan, i) for i in range(len(plan.tasks))),
+            ]
+        ),
         "",
-        *_table([("topic", "message", "bytes", "depth", "slots", "log"),
-                 *(_topic(topic) for topic in plan.topics.values())]),
+        *_table(
+            [
+                ("topic", "message", "bytes", "depth", "slots", "log"),
+                *(_topic(topic) for topic in plan.topics.values()),
+            ]
+        ),
     ]
     unbound = [d.name for d in plan.board.devices.values() if d.driver == "none"]
     if unbound:
@@ -51,11 +60,19 @@ def triggers_text(node: Node) -> str:
 
 def _topic(topic: TopicPlan) -> tuple[str, ...]:
     log = {None: "none", 0: "all"}.get(topic.log_us, f"every {topic.log_us} us")
-    return (topic.name, topic.message.name, str(topic.message.bytes * topic.slots),
-            str(topic.depth), str(topic.slots), log)
+    return (
+        topic.name,
+        topic.message.name,
+        str(topic.message.bytes * topic.slots),
+        str(topic.depth),
+        str(topic.slots),
+        log,
+    )
 
 
 def _table(rows: list[tuple[str, ...]]) -> list[str]:
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
-            for row in rows]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]

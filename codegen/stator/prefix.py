@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 
 
 def prefixed(part: Mapping, prefix: str) -> Mapping:
-    """The part with `prefix` before its node names, chains and the topics that it publishes, wherever
-    those stand."""
+    """The part with `prefix` before its node names, chains and the topics that it publishes,
+    wherever those stand."""
     nodes = part.entries.get("nodes")
     if not isinstance(nodes, Mapping):
         return part
@@ -45,17 +45,30 @@ def _node(name: str, tree: Tree, nodes: Mapping, topic: Callable[[Tree], Tree]) 
     if not isinstance(tree, Mapping):
         return tree
     tree = _at(tree, "outputs", lambda outputs: _each(outputs, topic))
-    tree = _at(tree, "inputs", lambda inputs: _each(
-        inputs, lambda item: topic(item) if isinstance(item, Scalar) else _at(item, "topic", topic)))
-    tree = _at(tree, "trigger", lambda trigger: _each(
-        trigger, lambda item: _at(item, "topic", topic)) if isinstance(trigger, Sequence)
-        else _at(trigger, "topic", topic))
+    tree = _at(
+        tree,
+        "inputs",
+        lambda inputs: _each(
+            inputs,
+            lambda item: topic(item) if isinstance(item, Scalar) else _at(item, "topic", topic),
+        ),
+    )
+    tree = _at(
+        tree,
+        "trigger",
+        lambda trigger: (
+            _each(trigger, lambda item: _at(item, "topic", topic))
+            if isinstance(trigger, Sequence)
+            else _at(trigger, "topic", topic)
+        ),
+    )
     assert isinstance(tree, Mapping)
     if "app" in tree.entries or "device" in tree.entries:
         return tree
     mark = nodes.keys[name]
-    return tree._replace(entries={**tree.entries, "app": Scalar(name, mark)},
-                         keys={**tree.keys, "app": mark})
+    return tree._replace(
+        entries={**tree.entries, "app": Scalar(name, mark)}, keys={**tree.keys, "app": mark}
+    )
 
 
 def _renamed(tree: Tree, prefix: str, names: set[str]) -> Tree:
@@ -88,8 +101,10 @@ def _keys(tree: Tree, prefix: str, names: set[str] | None) -> Tree:
     def new(key: str) -> str:
         return prefix + key if names is None or key in names else key
 
-    return tree._replace(entries={new(key): item for key, item in tree.entries.items()},
-                         keys={new(key): mark for key, mark in tree.keys.items()})
+    return tree._replace(
+        entries={new(key): item for key, item in tree.entries.items()},
+        keys={new(key): mark for key, mark in tree.keys.items()},
+    )
 
 
 def _outputs(node: Tree) -> list[Scalar]:

@@ -17,7 +17,7 @@ UNITS: dict[str, tuple[str, Fraction]] = {
 }
 
 # How a parameter's value may be written, and what it is in the parameter's own unit. The factor for
-# degrees is pi / 180 to 40 digits, so that the nearest float comes out whatever it is multiplied by.
+# degrees is pi / 180 to 40 digits: the nearest float comes out whatever it is multiplied by.
 _DEGREE = Fraction("0.01745329251994329576923690768488612713442871888541725456")
 CONVERSIONS: dict[str, dict[str, Fraction]] = {
     "rad": {"deg": _DEGREE},

@@ -24,9 +24,12 @@ def read_board(library: Library, name: str, path: Path) -> Board | None:
         return None
     chip = record.get("chip")
     if record.value("executor") == "cortex_m" and "chip" not in record.keys:
-        library.report.error(record.get("executor").mark, "chip-missing",
-                             "a board with the executor cortex_m has a chip",
-                             "add `chip:`, for example stm32f4/stm32f427")
+        library.report.error(
+            record.get("executor").mark,
+            "chip-missing",
+            "a board with the executor cortex_m has a chip",
+            "add `chip:`, for example stm32f4/stm32f427",
+        )
     found = None if chip is None else _chip(library, chip.value, chip.mark, path)
     reserved: list[Leaf] = record.value("reserved_vectors", [])
     interrupts: list[Leaf] = record.value("interrupts", [])
@@ -40,8 +43,11 @@ def read_board(library: Library, name: str, path: Path) -> Board | None:
         chip=found,
         reserved_vectors=tuple(leaf.value for leaf in (*reserved, *interrupts)),
         interrupts=tuple(leaf.value for leaf in interrupts),
-        devices={key: device for key, value in items(record, "devices")
-                 if (device := _device(library, key, value, found)) is not None},
+        devices={
+            key: device
+            for key, value in items(record, "devices")
+            if (device := _device(library, key, value, found)) is not None
+        },
     )
 
 
@@ -50,17 +56,29 @@ def _device(library: Library, name: str, record: Record, chip: Chip | None) -> D
     if driver is None:
         return None
     if driver.value == "none" and stated is None:
-        library.report.error(record.owner, "missing-key", f"device '{name}' has no driver, so it needs "
-                             "the key 'class'", "for example `class: imu`")
+        library.report.error(
+            record.owner,
+            "missing-key",
+            f"device '{name}' has no driver, so it needs the key 'class'",
+            "for example `class: imu`",
+        )
         return None
     of_driver = driver.value.split("/")[0]
     if driver.value != "none" and driver.value not in library.drivers():
-        library.report.error(driver.mark, "driver-unknown", f"there is no driver '{driver.value}'",
-                             library.report.nearest(driver.value, library.drivers()))
+        library.report.error(
+            driver.mark,
+            "driver-unknown",
+            f"there is no driver '{driver.value}'",
+            library.report.nearest(driver.value, library.drivers()),
+        )
         return None
     if driver.value != "none" and stated is not None and stated.value != of_driver:
-        library.report.error(stated.mark, "class-mismatch", f"driver '{driver.value}' is of the class "
-                             f"'{of_driver}', not '{stated.value}'", "remove the key `class`")
+        library.report.error(
+            stated.mark,
+            "class-mismatch",
+            f"driver '{driver.value}' is of the class '{of_driver}', not '{stated.value}'",
+            "remove the key `class`",
+        )
         return None
     chosen: Leaf = driver if stated is None else stated
     device_class = of_driver if stated is None else stated.value
@@ -74,25 +92,35 @@ def _device(library: Library, name: str, record: Record, chip: Chip | None) -> D
 def _check_lines(record: Record, interface: Interface, chip: Chip | None, report: Report) -> None:
     for line, leaf in items(record, "lines"):
         if line not in interface.lines:
-            report.error(record.get("lines").keys[line], "line-unknown",
-                         f"device class '{interface.name}' has no line '{line}'",
-                         report.nearest(line, interface.lines) or "it has no lines")
+            report.error(
+                record.get("lines").keys[line],
+                "line-unknown",
+                f"device class '{interface.name}' has no line '{line}'",
+                report.nearest(line, interface.lines) or "it has no lines",
+            )
         elif chip is not None and not _PIN.fullmatch(leaf.value):
             _check_vector(chip, leaf, report)
 
 
 def _check_vector(chip: Chip, leaf: Leaf, report: Report) -> None:
     if leaf.value not in chip.vectors:
-        report.error(leaf.mark, "vector-unknown", f"{quoted(leaf.value)} is neither a pin nor a vector "
-                     f"of {chip.name}", report.nearest(leaf.value.lower(), chip.vectors))
+        report.error(
+            leaf.mark,
+            "vector-unknown",
+            f"{quoted(leaf.value)} is neither a pin nor a vector of {chip.name}",
+            report.nearest(leaf.value.lower(), chip.vectors),
+        )
 
 
 def _chip(library: Library, name: str, mark: Mark, board: Path) -> Chip | None:
     path = library.chips(board).get(name)
     if path is None:
-        library.report.error(mark, "file-missing", f"there is no chip file 'boards/{name}.yaml'",
-                             library.report.nearest(name, library.chips(board))
-                             or "write it, beside the board")
+        library.report.error(
+            mark,
+            "file-missing",
+            f"there is no chip file 'boards/{name}.yaml'",
+            library.report.nearest(name, library.chips(board)) or "write it, beside the board",
+        )
         return None
     record = library.read(path, language.CHIP)
     if record is None:
@@ -100,7 +128,9 @@ def _chip(library: Library, name: str, mark: Mark, board: Path) -> Chip | None:
     return Chip(
         name=name,
         clock_hz=int((record.value("clock") or "0").split()[0]) * 1_000_000,
-        memory={key: Memory(int(memory.value("at") or "0", 16), memory.value("bytes") or 0)
-                for key, memory in items(record, "memory")},
+        memory={
+            key: Memory(int(memory.value("at") or "0", 16), memory.value("bytes") or 0)
+            for key, memory in items(record, "memory")
+        },
         vectors={key: leaf.value for key, leaf in items(record, "vectors")},
     )

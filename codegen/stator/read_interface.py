@@ -26,15 +26,24 @@ def read_interface(library: Library, name: str, path: Path, *, is_app: bool) -> 
     if record is None:
         return None
     if is_app and "lines" in record.keys:
-        report.error(record.keys["lines"], "irq-needs-device", "only a device class has lines",
-                     "remove the key; a driver in drivers/ does input and output")
+        report.error(
+            record.keys["lines"],
+            "irq-needs-device",
+            "only a device class has lines",
+            "remove the key; a driver in drivers/ does input and output",
+        )
     count = len(report)
     inputs, outputs = _ports(library, record, "inputs"), _ports(library, record, "outputs")
     _check_names(record, outputs, report)
-    params = {key: param for key, value in items(record, "params")
-              if (param := _param(key, value, report)) is not None}
-    if len(report) > count or any(key in record.keys and record.get(key) is None
-                                  for key in ("lines", "inputs", "outputs", "params")):
+    params = {
+        key: param
+        for key, value in items(record, "params")
+        if (param := _param(key, value, report)) is not None
+    }
+    if len(report) > count or any(
+        key in record.keys and record.get(key) is None
+        for key in ("lines", "inputs", "outputs", "params")
+    ):
         return None  # what it has is not known, and it has been said why
     return Interface(
         name=name,
@@ -55,7 +64,9 @@ def _ports(library: Library, record: Record, key: str) -> dict[str, Port]:
         leaf = value.get("message")
         message = None if leaf is None else library.message(leaf.value, leaf.mark)
         if message is not None:
-            ports[name] = Port(name, message, value.value("optional", False), value.value("doc", ""))
+            ports[name] = Port(
+                name, message, value.value("optional", False), value.value("doc", "")
+            )
     return ports
 
 
@@ -64,12 +75,20 @@ def _check_names(record: Record, outputs: dict[str, Port], report: Report) -> No
     inputs = record.get("inputs")
     for name in outputs:
         if inputs is not None and name in inputs.keys:
-            report.error(record.get("outputs").keys[name], "name-clash",
-                         f"'{name}' is an input, too", "give input and output different names")
+            report.error(
+                record.get("outputs").keys[name],
+                "name-clash",
+                f"'{name}' is an input, too",
+                "give input and output different names",
+            )
     for table in (inputs, record.get("outputs")):
         if table is not None and record.value("reads_log", False) and "log" in table.keys:
-            report.error(table.keys["log"], "name-clash", "`reads_log` gives the node a port 'log'",
-                         "give this one another name")
+            report.error(
+                table.keys["log"],
+                "name-clash",
+                "`reads_log` gives the node a port 'log'",
+                "give this one another name",
+            )
 
 
 def _param(name: str, record: Record, report: Report) -> Param | None:
@@ -85,11 +104,13 @@ def _param(name: str, record: Record, report: Report) -> Param | None:
         bounds = [None if value is None else Fraction(value) for value in values]
     least, most = bounds if len(bounds) == 2 else (None, None)
     if least is not None and most is not None and least > most:
-        report.error(written.mark, "out-of-range", "the range ends before it begins",
-                     "write the least first")
+        report.error(
+            written.mark, "out-of-range", "the range ends before it begins", "write the least first"
+        )
         return None
-    value = read_value(Param(name, type_name, unit, least, most, 0, doc), default, report,
-                       in_file=True)
+    value = read_value(
+        Param(name, type_name, unit, least, most, 0, doc), default, report, in_file=True
+    )
     return None if value is None else Param(name, type_name, unit, least, most, value, doc)
 
 

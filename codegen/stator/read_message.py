@@ -25,8 +25,12 @@ def read_message(library: Library, name: str, path: Path) -> Message | None:
     record = library.read(path, language.MESSAGE)
     mark = Mark(path, 1, 1)
     if is_reserved_type(name):
-        report.error(mark, "reserved-name", f"a message cannot be called '{name}': the runtime has "
-                     "taken it", f"rename the file, for example to {name}Sample.yaml")
+        report.error(
+            mark,
+            "reserved-name",
+            f"a message cannot be called '{name}': the runtime has taken it",
+            f"rename the file, for example to {name}Sample.yaml",
+        )
         return None
     if record is None or record.get("fields") is None:
         return None
@@ -37,8 +41,12 @@ def read_message(library: Library, name: str, path: Path) -> Message | None:
         return None
     message = Message(name, record.value("doc", ""), pad(known), mark)
     if message.bytes > MOST_MESSAGE_BYTES:
-        report.error(record.keys["fields"], "message-too-large", f"{name} takes {message.bytes} bytes, "
-                     f"more than {MOST_MESSAGE_BYTES}", "split it into several samples")
+        report.error(
+            record.keys["fields"],
+            "message-too-large",
+            f"{name} takes {message.bytes} bytes, more than {MOST_MESSAGE_BYTES}",
+            "split it into several samples",
+        )
         return None
     return message if _enums_differ(name, known, table, report) else None
 
@@ -49,21 +57,36 @@ def _field(name: str, record: Record, report: Report) -> Field | None:
         return None
     match = _FIELD_TYPE.fullmatch(leaf.value)
     if match is None or match.group(1) not in TYPES:
-        report.error(leaf.mark, "field-type", f"{quoted(leaf.value)} is no type of a field",
-                     report.nearest(re.sub("[^a-z0-9].*", "", leaf.value), TYPES))
+        report.error(
+            leaf.mark,
+            "field-type",
+            f"{quoted(leaf.value)} is no type of a field",
+            report.nearest(re.sub("[^a-z0-9].*", "", leaf.value), TYPES),
+        )
         return None
     if match.group(2) is not None and int(match.group(2)) == 0:
         report.error(leaf.mark, "field-type", "an array of no items", "write how many there are")
         return None
     values = record.get("values")
     if values is not None and leaf.value != "uint8":
-        report.error(leaf.mark, "field-type", "a field with `values` has the type uint8",
-                     "write `type: uint8`, or remove `values`")
+        report.error(
+            leaf.mark,
+            "field-type",
+            "a field with `values` has the type uint8",
+            "write `type: uint8`, or remove `values`",
+        )
         return None
     items = tuple((k, v.value) for k, v in values.values.items()) if values else ()
     count = int(match.group(2)) if match.group(2) else None
-    return Field(name, match.group(1), count, record.value("unit", ""),
-                 record.value("frame", ""), items, record.value("doc", ""))
+    return Field(
+        name,
+        match.group(1),
+        count,
+        record.value("unit", ""),
+        record.value("frame", ""),
+        items,
+        record.value("doc", ""),
+    )
 
 
 def _enums_differ(message: str, fields: list[Field], table: Record, report: Report) -> bool:
@@ -77,15 +100,22 @@ def _enums_differ(message: str, fields: list[Field], table: Record, report: Repo
         if other != field.name:
             good = False
             whose = f"that of field '{other}'" if other else "the message itself"
-            report.error(table.keys[field.name], "name-clash", f"the enumeration of '{field.name}' "
-                         f"would be called {upper_camel(field.name)}, as {whose}",
-                         "rename the field")
+            report.error(
+                table.keys[field.name],
+                "name-clash",
+                f"the enumeration of '{field.name}' "
+                f"would be called {upper_camel(field.name)}, as {whose}",
+                "rename the field",
+            )
         items = {upper_camel(name) for name, _ in field.values}
         if len(items) < len(field.values):
             good = False
-            report.error(table.values[field.name].keys["values"], "name-clash",
-                         "two of the values would have one name in C++",
-                         "let them differ in more than underscores")
+            report.error(
+                table.values[field.name].keys["values"],
+                "name-clash",
+                "two of the values would have one name in C++",
+                "let them differ in more than underscores",
+            )
     return good
 
 

@@ -267,7 +267,7 @@ def score(folder: Path) -> tuple[list[Score], dict[str, list[Score]]]:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    from stator.build import BuildFailed
+    from stator.diagnostics import BuildFailed
 
     try:
         scores, peers = score(arguments.folder)

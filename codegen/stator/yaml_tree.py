@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import stat
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias, Union
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import yaml
 
@@ -47,7 +47,7 @@ class Mapping(NamedTuple):
     owner: Mark  # of the key that holds this mapping, else of the mapping itself
 
 
-Tree: TypeAlias = Union[Scalar, Sequence, Mapping]
+Tree: TypeAlias = Scalar | Sequence | Mapping
 
 
 def load(path: Path, report: Report) -> Tree | None:
@@ -60,16 +60,23 @@ def load(path: Path, report: Report) -> Tree | None:
             report.error(start, "file-missing", f"cannot read the file: it is {what}")
             return None
         if state.st_size > MOST_BYTES:
-            report.error(start, "file-too-large", f"the file has {state.st_size} bytes, more than "
-                         f"{MOST_BYTES}", "split the graph with `include`")
+            report.error(
+                start,
+                "file-too-large",
+                f"the file has {state.st_size} bytes, more than {MOST_BYTES}",
+                "split the graph with `include`",
+            )
             return None
         text = path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = error.object[: error.start]
         column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1
-        report.error(Mark(path, before.count(b"\n") + 1, column), "encoding",
-                     f"not UTF-8 text: {error.reason}",
-                     "save the file as UTF-8")
+        report.error(
+            Mark(path, before.count(b"\n") + 1, column),
+            "encoding",
+            f"not UTF-8 text: {error.reason}",
+            "save the file as UTF-8",
+        )
         return None
     except OSError as error:
         report.error(start, "file-missing", f"cannot read the file: {error.strerror}")
@@ -93,20 +100,29 @@ def parse(text: str, path: Path, report: Report) -> Tree | None:
         if "quoted scalar" in (error.context or "") and error.context_mark is not None:
             position = error.context_mark
         line, column = (position.line + 1, position.column + 1) if position else (1, 1)
-        report.error(Mark(path, line, column), "yaml-syntax", f"not YAML: {error.problem}",
-                     _syntax_hint(error, text.splitlines(), line, column, builder.innermost))
+        report.error(
+            Mark(path, line, column),
+            "yaml-syntax",
+            f"not YAML: {error.problem}",
+            _syntax_hint(error, text.splitlines(), line, column, builder.innermost),
+        )
     except yaml.YAMLError as error:
         report.error(Mark(path, 1, 1), "yaml-syntax", f"not YAML: {str(error).splitlines()[0]}")
     return None
 
 
 def _refuse_character(mark: Mark, character: str, report: Report) -> None:
-    report.error(mark, "encoding", f"the character U+{ord(character):04X} cannot stand in a file",
-                 "remove it; it is invisible or a control character")
+    report.error(
+        mark,
+        "encoding",
+        f"the character U+{ord(character):04X} cannot stand in a file",
+        "remove it; it is invisible or a control character",
+    )
 
 
-def _syntax_hint(error: yaml.MarkedYAMLError, lines: list[str], line: int, column: int,
-                 innermost: Mark | None) -> str:
+def _syntax_hint(
+    error: yaml.MarkedYAMLError, lines: list[str], line: int, column: int, innermost: Mark | None
+) -> str:
     problem = error.problem or ""
     shown = lines[line - 1] if line <= len(lines) else ""
     if "\t" in shown[: len(shown) - len(shown.lstrip())] or shown[column - 1 : column] == "\t":
@@ -179,12 +195,20 @@ class _Builder:
             elif isinstance(event, yaml.DocumentStartEvent):
                 documents += 1
                 if documents > 1:
-                    self._report.error(self._mark(event), "yaml-documents",
-                                       "a second document in one file", "remove the line `---`")
+                    self._report.error(
+                        self._mark(event),
+                        "yaml-documents",
+                        "a second document in one file",
+                        "remove the line `---`",
+                    )
                     return None
         if self._root is None or (isinstance(self._root, Scalar) and self._root.is_null):
-            self._report.error(Mark(self._path, 1, 1), "yaml-empty", "the file has no content",
-                               "write it, or remove the file")
+            self._report.error(
+                Mark(self._path, 1, 1),
+                "yaml-empty",
+                "the file has no content",
+                "write it, or remove the file",
+            )
             return None
         return self._root
 
@@ -200,16 +224,24 @@ class _Builder:
         return Mapping({}, mark, {}, key_mark or mark)
 
     def _refuse_alias(self, mark: Mark, what: str) -> None:
-        self._report.error(mark, "yaml-alias", f"{what} is refused",
-                           "write the value again, or use `include` with `with`")
+        self._report.error(
+            mark,
+            "yaml-alias",
+            f"{what} is refused",
+            "write the value again, or use `include` with `with`",
+        )
 
     def _is_plain(self, event: yaml.ScalarEvent | yaml.CollectionStartEvent, mark: Mark) -> bool:
         if event.anchor is not None:
             self._refuse_alias(mark, f"anchor '&{event.anchor}'")
             return False
         if event.tag is not None:
-            self._report.error(mark, "yaml-tag", f"tag '{event.tag}' is refused",
-                               "remove the tag; the key says what type its value has")
+            self._report.error(
+                mark,
+                "yaml-tag",
+                f"tag '{event.tag}' is refused",
+                "remove the tag; the key says what type its value has",
+            )
             return False
         return True
 
@@ -224,8 +256,12 @@ class _Builder:
     def _is_shallow(self, mark: Mark) -> bool:
         if len(self._stack) < MOST_DEPTH:
             return True
-        self._report.error(mark, "yaml-depth", f"nested deeper than {MOST_DEPTH} levels",
-                           "no file of Stator needs more than eight")
+        self._report.error(
+            mark,
+            "yaml-depth",
+            f"nested deeper than {MOST_DEPTH} levels",
+            "no file of Stator needs more than eight",
+        )
         return False
 
     def _add(self, node: Tree) -> bool:
@@ -246,13 +282,21 @@ class _Builder:
 
     def _begin_entry(self, top: _Open, key: Tree) -> bool:
         if not isinstance(key, Scalar):
-            self._report.error(key.mark, "wrong-shape", "a key must be a name",
-                               "text that begins with a bracket stands in quotes")
+            self._report.error(
+                key.mark,
+                "wrong-shape",
+                "a key must be a name",
+                "text that begins with a bracket stands in quotes",
+            )
             return False
         top.key, top.key_mark = key.text, key.mark
         top.skip = key.text in top.entries
         if top.skip:
             first = top.keys[key.text]
-            self._report.error(key.mark, "duplicate-key", f"key '{key.text[:60]}' stands here twice",
-                               f"the other one is in {beside(key.mark, first)}; keep one of them")
+            self._report.error(
+                key.mark,
+                "duplicate-key",
+                f"key '{key.text[:60]}' stands here twice",
+                f"the other one is in {beside(key.mark, first)}; keep one of them",
+            )
         return True

@@ -66,7 +66,7 @@ Wide negated(Wide x) {
 
 Wide shifted_left(Wide x, int count) {
     if (count == 0) return x;
-    if (count >= 64) return {x.low << (count - 64), 0};
+    if (count >= 64) return {x.low << (count & 63), 0};
     return {(x.high << count) | (x.low >> (64 - count)), x.low << count};
 }
 

@@ -32,8 +32,8 @@ T sqrt_bit_by_bit(T x) {
     // The root of such a number is never half-way between two others.
     if (rest > (root << 1)) ++root;
     const int root_exponent = (exponent - odd + Format::kFractionBits) / 2;
-    const auto biased = static_cast<Bits>(root_exponent + Format::kExponentBias);
-    return from_bits<T>((biased << Format::kFractionBits) + (root & Format::kFractionMask));
+    const T mantissa = from_bits<T>(to_bits(T{1}) | (root & Format::kFractionMask));
+    return mantissa * power_of_two<T>(root_exponent);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ Executor executor;
 namespace {
 
 bool stopped = false;
+uint64_t run_end_us = 0;
 RandomTimes random_times{};
 uint64_t random_state = 0;
 
@@ -71,6 +72,7 @@ void use_random_times(const RandomTimes& times) {
 }
 
 void pass_preemption_point() {
+    if (executor.now_us >= run_end_us) return;  // also a machine that is overloaded comes to an end
     executor.preemption_armed = false;  // what pends has no preemption points of its own
     executor.now_us += next_random() % (random_times.most_us + 1);
     if (next_instant_us() <= executor.now_us) pend_due();
@@ -96,6 +98,7 @@ void start() {
 
 void run_until(uint64_t end_us) {
     stopped = false;
+    run_end_us = end_us;
     while (!stopped) {
         const uint64_t instant = next_instant_us();
         if (instant > end_us) break;

@@ -6,12 +6,12 @@ import json
 from pathlib import Path
 
 import pytest
+from tests.emulation.firmware_tools import needs_emulator
 
 from stator import cli
 from stator.build import build, build_plant
 from stator.emulate import FIFOS, Emulator, fly
 from stator.library import HOME
-from tests.emulation.firmware_tools import needs_emulator
 
 QUAD = HOME / "graph" / "quad.yaml"
 
@@ -41,7 +41,7 @@ def test_the_firmware_keeps_the_limits(
 
 @pytest.mark.parametrize("runs", [2, pytest.param(10, marks=pytest.mark.long)])
 def test_a_flight_repeats_bit_for_bit(
-    emulator: Emulator,  # noqa: ARG001
+    emulator: Emulator,
     capsys: pytest.CaptureFixture[str],
     tmp_path: Path,
     runs: int,
@@ -57,7 +57,7 @@ def test_a_flight_repeats_bit_for_bit(
 
 
 def test_another_seed_flies_another_log(
-    emulator: Emulator,  # noqa: ARG001
+    emulator: Emulator,
     capsys: pytest.CaptureFixture[str],
     tmp_path: Path,
 ) -> None:
@@ -68,7 +68,7 @@ def test_another_seed_flies_another_log(
 
 
 def test_sleeping_firmware_flies_as_well(
-    emulator: Emulator,  # noqa: ARG001
+    emulator: Emulator,
     capsys: pytest.CaptureFixture[str],
     tmp_path: Path,
 ) -> None:
@@ -106,12 +106,10 @@ def test_an_old_emulator_is_refused(
 
 
 def test_a_board_that_is_no_firmware_is_refused(
-    emulator: Emulator,  # noqa: ARG001
+    emulator: Emulator,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert cli.main(["emulate", str(QUAD), "--board", "sitl"]) == 2
     error = capsys.readouterr().err
     assert "error: board 'sitl' runs on the executor virtual, not cortex_m" in error
     assert "hint: ./stator fly flies it" in error
-
-

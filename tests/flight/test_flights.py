@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from stator import cli
-from stator.build import build
+from stator.build import PREEMPTION, build
 from stator.library import HOME
 
 QUAD = HOME / "graph" / "quad.yaml"
@@ -44,12 +44,12 @@ def test_another_seed_flies_another_log(reference: bytes, tmp_path: Path) -> Non
 
 
 def test_clang_flies_the_same_log(reference: bytes, tmp_path: Path) -> None:
-    run(build(LOGGED, "sitl", compiler="clang++"), tmp_path / "clang.ulg")
+    run(build(LOGGED, "sitl", {"CMAKE_CXX_COMPILER": "clang++"}), tmp_path / "clang.ulg")
     assert (tmp_path / "clang.ulg").read_bytes() == reference
 
 
 def test_preemption_points_alone_change_nothing(reference: bytes, tmp_path: Path) -> None:
-    run(build(LOGGED, "sitl", preemption_points=True), tmp_path / "points.ulg")
+    run(build(LOGGED, "sitl", PREEMPTION), tmp_path / "points.ulg")
     assert (tmp_path / "points.ulg").read_bytes() == reference
 
 
@@ -59,8 +59,17 @@ def test_preemption_points_alone_change_nothing(reference: bytes, tmp_path: Path
 def test_optimisation_changes_no_bit(
     reference: bytes, tmp_path: Path, compiler: str, optimisation: str
 ) -> None:
-    run(build(LOGGED, "sitl", compiler=compiler, optimisation=optimisation), tmp_path / "o.ulg")
+    variant = {"CMAKE_CXX_COMPILER": compiler, "STATOR_OPTIMIZE": optimisation}
+    run(build(LOGGED, "sitl", variant), tmp_path / "o.ulg")
     assert (tmp_path / "o.ulg").read_bytes() == reference
+
+
+@pytest.mark.long
+def test_the_sanitizers_find_nothing(reference: bytes, tmp_path: Path) -> None:
+    program = build(LOGGED, "sitl", {"STATOR_SANITIZE": "address,undefined", **PREEMPTION})
+    run(program, tmp_path / "zero.ulg")
+    assert (tmp_path / "zero.ulg").read_bytes() == reference
+    run(program, tmp_path / "random.ulg", "--times", "random")
 
 
 def test_no_symbol_of_libm_in_the_program() -> None:

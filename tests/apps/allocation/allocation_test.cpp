@@ -87,7 +87,7 @@ class AllocationTest : public ::testing::Test {
     VehicleTorqueSetpoint torque_{};
     VehicleThrustSetpoint thrust_{};
     VehicleStatus status_{};
-    AllocationParams params_{};
+    AllocationParams params_{.idle = 0.0F, .airmode = false};
     ActuatorMotors motors_{};
     bool has_thrust_ = true;
     bool has_status_ = true;

@@ -11,24 +11,6 @@
 
 namespace stator::testing {
 
-// The interface's defaults.
-inline constexpr AttitudeParams kAttitudeParams{.timestamp = 0,
-                                                .accel_time_constant = 3.0f,
-                                                .accel_time_constant_at_rest = 0.5f,
-                                                .mag_time_constant = 9.0f,
-                                                .heading_time_constant = 1.0f,
-                                                .magnetic_declination = 0.0f,
-                                                .mag_strength_tolerance = 0.1f,
-                                                .mag_dip_tolerance = 0.17453293f,
-                                                .mag_longest_rejection = 60.0f,
-                                                .bias_uncertainty = 0.0087266463f,
-                                                .bias_uncertainty_in_motion = 0.0017453293f,
-                                                .bias_uncertainty_at_rest = 0.00052359878f,
-                                                .bias_limit = 0.034906585f,
-                                                .rest_gyro_deviation = 0.034906585f,
-                                                .rest_accel_deviation = 0.5f,
-                                                .rest_least_time = 1.5f};
-
 class AttitudeRig {
   public:
     using Vector = math::Vector3<double>;
@@ -48,7 +30,7 @@ class AttitudeRig {
     uint64_t capture_delay_us = 5000;
     bool has_status = false;
     bool armed = false;
-    AttitudeParams params = kAttitudeParams;
+    AttitudeParams params;  // the interface's defaults, the tuning that the tests are about
 
     Quaternion q_NB = Quaternion::Identity();  // truth
     Quaternion estimate = Quaternion::Identity();

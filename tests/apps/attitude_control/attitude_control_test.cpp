@@ -16,9 +16,6 @@ using math::Vector3;
 Quaternion<float> euler(float roll, float pitch, float yaw) {
     return math::from_euler(math::EulerAngles<float>{roll, pitch, yaw});
 }
-std::array<float, 4> wxyz(const Quaternion<float>& q) {
-    return {q.w(), q.x(), q.y(), q.z()};
-}
 
 class AttitudeControlTest : public ::testing::Test {
   protected:
@@ -29,10 +26,11 @@ class AttitudeControlTest : public ::testing::Test {
         setpoint_.thrust_body = {0.0F, 0.0F, -0.5F};
         set(Quaternion<float>::Identity());
     }
-    void set(const Quaternion<float>& q) { setpoint_.q_d = wxyz(q); }
+    void set(const Quaternion<float>& q) { setpoint_.q_d = math::to_array(q); }
 
     Vector3<float> rates_at(const Quaternion<float>& q_NB) {
-        const VehicleAttitude attitude{.timestamp = 0, .timestamp_sample = 0, .q = wxyz(q_NB)};
+        const VehicleAttitude attitude{
+            .timestamp = 0, .timestamp_sample = 0, .q = math::to_array(q_NB)};
         AttitudeControlPorts ports{
             .attitude = Input(attitude),
             .setpoint = has_setpoint_ ? Input(setpoint_) : Input<VehicleAttitudeSetpoint>(),

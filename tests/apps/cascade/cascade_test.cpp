@@ -41,7 +41,7 @@ StepResponse measure(FlyingCascade& flight, double seconds, Value part) {
 void want_attitude(FlyingCascade& flight, const math::EulerAngles<float>& angles) {
     const math::Quaternion<float> q = math::from_euler(angles);
     flight.control_position = false;
-    flight.attitude_setpoint.q_d = {q.w(), q.x(), q.y(), q.z()};
+    flight.attitude_setpoint.q_d = math::to_array(q);
 }
 
 math::EulerAngles<double> attitude(const FlyingCascade& flight) {

@@ -1,5 +1,6 @@
 // For tests of the control loop: the five control nodes in cascade around a plain rigid body with
 // lagging motors, whose state they are told exactly, the position late. Data: PX4's Gazebo Iris.
+// The parameters are the interfaces' defaults, which are for it: their tuning is tested too.
 #pragma once
 
 #include <array>
@@ -8,7 +9,6 @@
 
 #include "allocation.hpp"
 #include "attitude_control.hpp"
-#include "iris_params.hpp"
 #include "position_control.hpp"
 #include "rate_control.hpp"
 #include "sequence.hpp"
@@ -153,7 +153,7 @@ class FlyingCascade {
     bool control_position = true;
     bool position_is_valid = true;
 
-    SequenceParams sequence_params = kSequenceParams;
+    SequenceParams sequence_params;
 
   private:
     void remember() {
@@ -198,7 +198,7 @@ class FlyingCascade {
         VehicleAttitude attitude{};
         const math::Quaternion<float> q = body.state.q_NB.cast<float>();
         attitude.timestamp_sample = now_us_;
-        attitude.q = {q.w(), q.x(), q.y(), q.z()};
+        attitude.q = math::to_array(q);
         AttitudeControlPorts ports{.now = now_us_,
                                    .attitude = Input(attitude),
                                    .setpoint = Input(attitude_setpoint),
@@ -250,10 +250,10 @@ class FlyingCascade {
     AttitudeControl attitude_control_;
     RateControl rate_control_;
     Allocation allocation_;
-    PositionControlParams position_params_ = kPositionControlParams;
-    AttitudeControlParams attitude_params_ = kAttitudeControlParams;
-    RateControlParams rate_params_ = kRateControlParams;
-    AllocationParams allocation_params_ = kAllocationParams;
+    PositionControlParams position_params_;
+    AttitudeControlParams attitude_params_;
+    RateControlParams rate_params_;
+    AllocationParams allocation_params_;
 };
 
 }  // namespace stator::testing

@@ -15,23 +15,32 @@ constexpr float kNaN = math::canonical_nan<float>();
 constexpr float kGravity = 9.80665F;
 constexpr float kHover = 0.5F;
 
+// No integral, no derivative: a test sets the gains that it is about.
+constexpr PositionControlParams proportional() {
+    return {.horizontal_p = 1.0F,
+            .horizontal_velocity_p = 2.0F,
+            .horizontal_velocity_i = 0.0F,
+            .horizontal_velocity_d = 0.0F,
+            .vertical_p = 1.0F,
+            .vertical_velocity_p = 4.0F,
+            .vertical_velocity_i = 0.0F,
+            .vertical_velocity_d = 0.0F,
+            .derivative_cutoff = 5.0F,
+            .integral_limit = 4.0F,
+            .horizontal_speed_limit = 4.0F,
+            .climb_limit = 2.0F,
+            .descent_limit = 1.0F,
+            .tilt_limit = 0.6F,
+            .hover_thrust = kHover,
+            .thrust_min = 0.1F,
+            .thrust_max = 0.9F,
+            .spool_up_time = 0.1F,
+            .blind_sink = 0.3F};
+}
+
 class PositionControlTest : public ::testing::Test {
   protected:
     PositionControlTest() {
-        params_.horizontal_p = params_.vertical_p = 1.0F;
-        params_.horizontal_velocity_p = 2.0F;
-        params_.vertical_velocity_p = 4.0F;
-        params_.derivative_cutoff = 5.0F;
-        params_.integral_limit = 4.0F;
-        params_.horizontal_speed_limit = 4.0F;
-        params_.climb_limit = 2.0F;
-        params_.descent_limit = 1.0F;
-        params_.tilt_limit = 0.6F;
-        params_.hover_thrust = kHover;
-        params_.thrust_min = 0.1F;
-        params_.thrust_max = 0.9F;
-        params_.spool_up_time = 0.1F;
-        params_.blind_sink = 0.3F;
         position_.xy_valid = position_.z_valid = position_.v_xy_valid = position_.v_z_valid = true;
         status_.arming_state = VehicleStatus::ArmingState::kArmed;
     }
@@ -61,9 +70,7 @@ class PositionControlTest : public ::testing::Test {
     }
 
     float thrust() const { return -newest_.thrust_body[2]; }
-    Quaternion<float> attitude() const {
-        return {newest_.q_d[0], newest_.q_d[1], newest_.q_d[2], newest_.q_d[3]};
-    }
+    Quaternion<float> attitude() const { return math::quaternion(newest_.q_d); }
     // Acceleration that the wanted thrust gives a vehicle whose hover thrust is as the parameter
     // says.
     Vector3<float> acceleration() const {
@@ -76,7 +83,7 @@ class PositionControlTest : public ::testing::Test {
     VehicleLocalPosition position_{};
     TrajectorySetpoint setpoint_{};
     VehicleStatus status_{};
-    PositionControlParams params_{};
+    PositionControlParams params_ = proportional();
     VehicleAttitudeSetpoint newest_{};
     uint32_t publications_ = 0;
     uint64_t now_us_ = 1'000'000;

@@ -18,13 +18,7 @@ using Quaternion = math::Quaternion<double>;
 
 constexpr double kGravity = 9.80665;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-// The interface's defaults.
-constexpr PositionEstimateParams kParams{.timestamp = 0,
-                                         .bandwidth = 10.0f,
-                                         .bias_bandwidth = 0.5f,
-                                         .mocap_gate = 0.3f,
-                                         .mocap_timeout = 0.5f,
-                                         .mocap_longest_delay = 0.1f};
+constexpr PositionEstimateParams kParams{};  // the interface's defaults: their tuning is tested
 
 std::array<float, 3> array(const Vector& v) {
     return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};

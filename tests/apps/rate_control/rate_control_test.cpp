@@ -10,12 +10,25 @@ namespace {
 
 constexpr float kNaN = math::canonical_nan<float>();
 
+// All gains zero: a test sets the ones that it is about.
+constexpr RateControlParams without_gains() {
+    return {.roll_p = 0.0F,
+            .roll_i = 0.0F,
+            .roll_d = 0.0F,
+            .pitch_p = 0.0F,
+            .pitch_i = 0.0F,
+            .pitch_d = 0.0F,
+            .yaw_p = 0.0F,
+            .yaw_i = 0.0F,
+            .yaw_d = 0.0F,
+            .integral_limit = 0.3F,
+            .derivative_cutoff = 50.0F,
+            .integrate_from = 0.2F};
+}
+
 class RateControlTest : public ::testing::Test {
   protected:
     RateControlTest() {
-        params_.integral_limit = 0.3F;
-        params_.derivative_cutoff = 50.0F;
-        params_.integrate_from = 0.2F;
         status_.arming_state = VehicleStatus::ArmingState::kArmed;
         setpoint_.thrust_body = {0.0F, 0.0F, -0.5F};
     }
@@ -47,7 +60,7 @@ class RateControlTest : public ::testing::Test {
     SensorGyro gyro_{};
     VehicleRatesSetpoint setpoint_{};
     VehicleStatus status_{};
-    RateControlParams params_{};
+    RateControlParams params_ = without_gains();
     VehicleTorqueSetpoint torque_{};
     VehicleThrustSetpoint thrust_{};
     uint32_t publications_ = 0;

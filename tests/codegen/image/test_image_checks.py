@@ -6,15 +6,15 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from tests.emulation.firmware_tools import needs_toolchain
 
 from stator.build import build
 from stator.firmware import sizes_of, total_of
 from stator.image_checks import faults_of
 from stator.library import HOME
-from tests.emulation.firmware_tools import needs_toolchain
 
-FLAGS = "-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -O1 -std=c++20".split()
-STRICT = "-fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-math-errno".split()
+FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-O1", "-std=c++20"]
+STRICT = ["-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics", "-fno-math-errno"]
 
 
 def image(folder: Path, code: str, *flags: str) -> Path:
@@ -22,7 +22,13 @@ def image(folder: Path, code: str, *flags: str) -> Path:
     source, result = folder / "planted.cpp", folder / "planted.elf"
     source.write_text(code)
     command = ["arm-none-eabi-g++", *FLAGS, *(flags or STRICT), "--specs=nosys.specs"]
-    command += ["-nostartfiles", "-Wl,-emain", "-Wl,--defsym=__dso_handle=0", "-Wl,--gc-sections", "-ffunction-sections"]
+    command += [
+        "-nostartfiles",
+        "-Wl,-emain",
+        "-Wl,--defsym=__dso_handle=0",
+        "-Wl,--gc-sections",
+        "-ffunction-sections",
+    ]
     subprocess.run([*command, source, "-o", result], check=True, capture_output=True)
     return result
 
@@ -37,7 +43,11 @@ def test_an_image_without_faults_has_none(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("code", "flags", "expected"),
     [
-        ("#include <cstdlib>\nvoid* volatile p; int main() { p = malloc(4); }", [], "malloc: the heap"),
+        (
+            "#include <cstdlib>\nvoid* volatile p; int main() { p = malloc(4); }",
+            [],
+            "malloc: the heap",
+        ),
         ("int* volatile p; int main() { p = new int; }", [], "_Znwj: the heap"),
         ("int main(int n, char**) { if (n) throw n; }", ["-fexceptions"], "exceptions"),
         (
@@ -80,5 +90,3 @@ def test_the_quad_has_no_fault() -> None:
     assert runtime[0] < 6 * 1024
     # Within what the linker saves by merging equal texts.
     assert 0 <= sum(part[0] for part in parts.values()) - flash < 1024
-
-

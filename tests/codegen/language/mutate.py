@@ -1,4 +1,4 @@
-"""Damages text and trees as people, editors and attackers do. Everything follows from one Random."""
+"""Damages text and trees as people, editors and attackers do; all follows from one Random."""
 
 from __future__ import annotations
 
@@ -13,13 +13,16 @@ MARKER = "INJECTED"  # never to be seen outside a comment of generated code
 
 WORDS = [
     "null", "~", "", "true", "no", "on", "010", "0x1F", "1e3", "12:30", "1_000", ".inf", "-.inf",
-    ".nan", "-0", "1e999", "-1e-999", "9" * 200, "0.1", "1/3", "1 kHz", "1 khz", "300 Hz", "1e300 s",
+    ".nan", "-0", "1e999", "-1e-999", "9" * 200, "0.1", "1/3", "1 kHz", "1 khz", "300 Hz",
+    "1e300 s",
     "-5 ms", "0 us", "0 Hz", "5ms", "5  ms", "45 deg", "int", "class", "namespace", "std", "stator",
-    "template", "now", "params", "_x", "x_", "a__b", "topics", "uint8_t", "A", "é", "日本", "a" * 63,
+    "template", "now", "params", "_x", "x_", "a__b", "topics", "uint8_t", "A", "é", "日本",
+    "a" * 63,
     "a" * 64, "a b", "../../etc/passwd", "/etc/passwd", "parts/counting.yaml", "${rate}", "${}",
     "${a", "*x", "&x", "!!str", "!x", "<<", "%TAG", "|", ">", "- a", "? a", "@", "`", "{{ 7*7 }}",
     "{% raw %}", "{# x #}", f"*/ {MARKER}(); /*", f"x\n{MARKER}();", f'"; {MARKER}(); //', "x\\",
-    f"x \\\n{MARKER}();", f"x\r{MARKER}();", f"x\x85{MARKER}();", f"x\u2028{MARKER}();", "\0", "\x07",
+    f"x \\\n{MARKER}();", f"x\r{MARKER}();", f"x\x85{MARKER}();", f"x\u2028{MARKER}();",
+    "\0", "\x07",
     "\u202e", "\u200b", "\ufeff", "??/", "$(date)", "`date`", "%s%n", "counter", "adder", "count",
     "mode", "left_count", "desk", "sitl", "fmu_v2", "imu0", "data_ready", "16", "15", "0", "-1",
 ]  # fmt: skip
@@ -32,7 +35,9 @@ KEYS = [
     "unit", "values", "message", "optional", "default", "range", "lines", "reads_log", "executor",
     "devices", "driver", "class", "chip", "timestamp", "xyz", "operator",
 ]  # fmt: skip
-CHARACTERS = " \t\n\r{}[],:#&*!|>'\"%@`?-\\$\0\x07\x1b\x85\xa0é\u2028\u202e\ufeff\U0001f681" + "a0_."
+CHARACTERS = (
+    " \t\n\r{}[],:#&*!|>'\"%@`?-\\$\0\x07\x1b\x85\xa0é\u2028\u202e\ufeff\U0001f681" + "a0_."
+)
 
 
 def mutate_text(text: str, random: Random) -> str:
@@ -53,7 +58,11 @@ def mutate_text(text: str, random: Random) -> str:
     elif choice == 4:
         return text[:where] + text[until:]
     elif choice == 5:
-        return text[:where] + random.choice(CHARACTERS) * random.choice([1, 1, 1, 2, 40]) + text[where:]
+        return (
+            text[:where]
+            + random.choice(CHARACTERS) * random.choice([1, 1, 1, 2, 40])
+            + text[where:]
+        )
     elif choice == 6:
         return text[:where] + random.choice(WORDS) + text[until:]
     elif choice == 7:
@@ -96,15 +105,25 @@ def mutate_tree(text: str, random: Random) -> str:
         parent[key] = f"{parent[key]}{random.choice(list(CHARACTERS))}"
     else:
         parent[key] = value
-    return yaml.safe_dump(tree, sort_keys=False, allow_unicode=random.random() < 0.5,
-                          default_flow_style=random.choice([None, True, False]), width=math.inf)
+    return yaml.safe_dump(
+        tree,
+        sort_keys=False,
+        allow_unicode=random.random() < 0.5,
+        default_flow_style=random.choice([None, True, False]),
+        width=math.inf,
+    )
 
 
 def _places(tree: Any, depth: int = 0) -> Any:
     if depth > 20:
         return
-    pairs = tree.items() if isinstance(tree, dict) else \
-        enumerate(tree) if isinstance(tree, list) else ()
+    pairs = (
+        tree.items()
+        if isinstance(tree, dict)
+        else enumerate(tree)
+        if isinstance(tree, list)
+        else ()
+    )
     for key, value in pairs:
         yield tree, key
         yield from _places(value, depth + 1)

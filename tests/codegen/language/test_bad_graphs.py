@@ -96,8 +96,11 @@ def test_every_rule_has_a_bad_graph(tmp_path: Path) -> None:
 def test_every_rule_of_the_code_is_listed() -> None:
     """And every listed one is used: a rule is the second argument of `error`, or the first item of
     what a shape says is wrong."""
-    code = "".join(path.read_text(encoding="utf-8") for path in sorted(CODE.glob("*.py"))
-                   if path.name != "rules.py")
+    code = "".join(
+        path.read_text(encoding="utf-8")
+        for path in sorted(CODE.glob("*.py"))
+        if path.name != "rules.py"
+    )
     used = set(re.findall(r"\.error\([^\"]*?\"([a-z]+(?:-[a-z]+)+)\"", code))
     assert sorted(used - set(RULES)) == []
     assert [rule for rule in RULES if f'"{rule}"' not in code] == []

@@ -1,4 +1,4 @@
-"""Composition: `include` with `with` and `prefix`; replacing key by key; lists whole; null removes."""
+"""Composition: `include`, `with`, `prefix`; replacing key by key; lists whole; null removes."""
 
 from __future__ import annotations
 
@@ -92,9 +92,12 @@ def test_a_prefix_leaves_topics_of_others_alone(folder: Path) -> None:
         "    inputs: {sample: {topic: latest, read: latest}}\n"
         "modes: {initial: filter, sets: {filter: [filter], rest: []}}\n"
     )
-    result = graph(folder, "board: bench\ninclude: [{file: filter.yaml, prefix: my_}]\n"
-                   "nodes:\n  source: {trigger: {every: 1 s}, outputs: {sample: raw}}\n"
-                   "  selector: {trigger: {every: 1 s}, outputs: {mode: mode}}\n")
+    result = graph(
+        folder,
+        "board: bench\ninclude: [{file: filter.yaml, prefix: my_}]\n"
+        "nodes:\n  source: {trigger: {every: 1 s}, outputs: {sample: raw}}\n"
+        "  selector: {trigger: {every: 1 s}, outputs: {mode: mode}}\n",
+    )
     assert result.nodes["my_filter"].inputs["sample"].topic == "raw"
     assert result.nodes["my_sink"].inputs["sample"].topic == "my_latest"
     assert result.modes is not None
@@ -119,8 +122,7 @@ def test_where_two_includes_differ_the_including_file_decides(folder: Path) -> N
 
 
 def test_a_variable_goes_through_two_files(folder: Path) -> None:
-    (folder / "middle.yaml").write_text(
-        "include: [{file: part.yaml, with: {period: \"${rate}\"}}]\n")
+    (folder / "middle.yaml").write_text('include: [{file: part.yaml, with: {period: "${rate}"}}]\n')
     text = "board: bench\ninclude: [{file: middle.yaml, with: {rate: 200 Hz}}]\n"
     assert graph(folder, text).nodes["source"].triggers[0].period_us == 5_000
 
@@ -130,6 +132,7 @@ def test_apps_beside_the_graph_come_first(folder: Path) -> None:
     own = folder / "apps" / "rate_control"
     own.mkdir(parents=True)
     (own / "rate_control.yaml").write_text(
-        "doc: Another.\noutputs: {sample: {message: Sample, doc: It.}}\n")
+        "doc: Another.\noutputs: {sample: {message: Sample, doc: It.}}\n"
+    )
     result = graph(folder, "board: bench\nnodes: {rate_control: {trigger: {every: 1 s}}}\n")
     assert result.nodes["rate_control"].interface.file.is_relative_to(folder)

@@ -111,3 +111,8 @@ def test_log() -> None:
     assert logged == {"every_one": 0, "at_a_rate": 100_000, "not_at_all": None}
     assert topics["log_block"].log_us is None  # the logger's own
     assert topics["first_params"].log_us is None  # logged as parameters
+
+
+def test_publishers_that_modes_exchange_do_not_add_up() -> None:
+    # careful publishes every 10 ms or bold every 5 ms, never both.
+    assert planned("modes").topics["count"].period_us == 5_000

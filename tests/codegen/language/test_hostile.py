@@ -66,7 +66,9 @@ def test_what_editors_do_to_files_is_no_error(folder: Path, content: bytes) -> N
 
 def test_aliases_that_explode(folder: Path) -> None:
     laughs = "a: &a [x]\n" + "".join(
-        f"{b}: &{b} [{', '.join(['*' + a] * 10)}]\n" for a, b in zip("abcdefgh", "bcdefghi"))
+        f"{b}: &{b} [{', '.join(['*' + a] * 10)}]\n"
+        for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+    )
     assert errors_of(folder, laughs) == ["yaml-alias"]
 
 
@@ -94,7 +96,9 @@ def test_nothing(folder: Path, content: bytes) -> None:
     assert errors_of(folder, content) == ["yaml-empty"]
 
 
-@pytest.mark.parametrize("number", ["9" * 60, "9" * 10_000, "1e999", "-1e999", "1e-999", "0x10", "1/3"])
+@pytest.mark.parametrize(
+    "number", ["9" * 60, "9" * 10_000, "1e999", "-1e999", "1e-999", "0x10", "1/3"]
+)
 @pytest.mark.parametrize("where", ["every: {} ms", "every: {} Hz", "every: {}"])
 def test_numbers(folder: Path, number: str, where: str) -> None:
     assert len(errors_of(folder, GOOD.replace("every: 10 ms", where.format(number)))) == 1
@@ -130,7 +134,10 @@ def test_a_folder(folder: Path) -> None:
 @pytest.mark.parametrize("device", ["/dev/zero", "/dev/null", "/dev/stdin"])
 def test_a_device(folder: Path, device: str) -> None:
     (folder / "graph.yaml").symlink_to(device)
-    assert [error.rule for error in errors(folder / "graph.yaml")][0] in ("file-missing", "yaml-empty")
+    assert errors(folder / "graph.yaml")[0].rule in (
+        "file-missing",
+        "yaml-empty",
+    )
 
 
 def test_a_pipe(folder: Path) -> None:
@@ -170,7 +177,8 @@ INCLUDE = "board: bench\ninclude: [{{file: {}}}]\n"
 
 @pytest.mark.parametrize("file", [
     "/etc/passwd", "/etc/passwd.yaml", "../outside.yaml", "../../../../../../../../etc/x.yaml",
-    "parts/../../outside.yaml", "~/x.yaml", "file:///etc/x.yaml", "x.yaml/../y.yaml", ".hidden.yaml",
+    "parts/../../outside.yaml", "~/x.yaml", "file:///etc/x.yaml", "x.yaml/../y.yaml",
+    ".hidden.yaml",
     '"a\\0b.yaml"', "a" * 5_000 + ".yaml", "a/" * 2_000 + "x.yaml", "", "..", ".", "C:\\\\x.yaml",
     '"${HOME}.yaml"', "$(id).yaml",
 ])  # fmt: skip
@@ -195,7 +203,7 @@ def test_include_of_a_folder(folder: Path) -> None:
 
 
 def test_include_bomb(folder: Path) -> None:
-    """Ten times ten times ... the same files: the number of includes is bounded, not only the depth."""
+    """Ten times ten times ... the same files: their number is bounded, not only the depth."""
     for i in range(9):
         lines = f"  - {{file: part{i + 1}.yaml}}\n" * 10
         (folder / f"part{i}.yaml").write_text(f"include:\n{lines}")
@@ -213,7 +221,8 @@ def test_variables_do_not_grow(folder: Path) -> None:
     """Values are single: a chain of includes cannot double a tree at every step."""
     for i in range(60):
         (folder / f"part{i}.yaml").write_text(
-            f'include: [{{file: part{i + 1}.yaml, with: {{x: ["${{x}}", "${{x}}"]}}}}]\n')
+            f'include: [{{file: part{i + 1}.yaml, with: {{x: ["${{x}}", "${{x}}"]}}}}]\n'
+        )
     (folder / "part60.yaml").write_text('nodes: {source: {trigger: "${x}"}}\n')
     text = "board: bench\ninclude: [{file: part0.yaml, with: {x: a}}]\n"
     assert "wrong-shape" in errors_of(folder, text)
@@ -247,7 +256,8 @@ def test_template_code_is_only_text(folder: Path) -> None:
     shutil.copytree(BAD / "boards", folder / "own" / "boards")
     evil = '"{{ 7*7 }}{% for x in y %} */ \\\\"'
     (folder / "own" / "apps" / "source" / "source.yaml").write_text(
-        f"doc: {evil}\noutputs: {{sample: {{message: Sample, doc: {evil}}}}}\n")
+        f"doc: {evil}\noutputs: {{sample: {{message: Sample, doc: {evil}}}}}\n"
+    )
     graph = folder / "own" / "graph.yaml"
     graph.write_text(GOOD)
     text = emit(plan(*check(graph)))["source_ports.hpp"]

@@ -15,13 +15,13 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from tests.codegen.language.mutate import MARKER, mutate_text, mutate_tree
 
 from stator.check import check
 from stator.diagnostics import Failed
 from stator.emit import emit
 from stator.plan import plan
 from stator.rules import RULES
-from tests.codegen.language.mutate import MARKER, mutate_text, mutate_tree
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "graph" / "examples"
 SEED = os.environ.get("STATOR_SEED", "1")
@@ -93,7 +93,7 @@ def check_clean(graph: Path, board: str | None) -> bool:
 def check_generated(files: dict[str, str]) -> None:
     for name, text in files.items():
         for line in text.split("\n"):
-            code, _, comment = line.partition("//")
+            code, _, _ = line.partition("//")
             assert MARKER not in code, f"{name}: {line}"
             assert not line.endswith("\\"), f"{name}: {line}"
             if name.endswith((".hpp", ".cpp")):
@@ -116,7 +116,8 @@ def run_case(number: int, folder: Path) -> bool:
     except (Exception, Hung) as error:
         raise AssertionError(
             f"case {number} of STATOR_SEED={SEED} ({victim.name} of {graph.name}, board {board}): "
-            f"{error!r}\n{text}") from error
+            f"{error!r}\n{text}"
+        ) from error
     finally:
         victim.write_bytes(whole)
 

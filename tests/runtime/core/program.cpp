@@ -4,7 +4,9 @@
 namespace stator {
 
 namespace board {
-uint64_t next_event_us() { return kNever; }
+uint64_t next_event_us() {
+    return kNever;
+}
 void advance(uint64_t) {}
 }  // namespace board
 

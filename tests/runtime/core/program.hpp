@@ -1,6 +1,8 @@
 // The smallest program for the virtual executor, and topics that tests make by hand.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <functional>
 
@@ -49,5 +51,17 @@ void publish(const Topic& topic, const Message& message, uint64_t now_us, bool k
     output.connect(topic, now_us, keep);
     output.publish([&] { return message; });
 }
+
+struct Reading {
+    uint64_t timestamp;
+    uint32_t value;
+    uint32_t _padding0;
+};
+
+// Nobody has anything to do when a test begins.
+class TopicTest : public ::testing::Test {
+  protected:
+    TopicTest() { begin(); }
+};
 
 }  // namespace stator::testing

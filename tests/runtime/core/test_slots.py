@@ -12,7 +12,7 @@ sys.path.insert(0, str(ROOT / "codegen"))
 
 from stator.diagnostics import Mark  # noqa: E402
 from stator.model import Message, Topic, TopicConfig  # noqa: E402
-from stator.plan import slots_needed  # noqa: E402
+from stator.plan_topics import slots_needed  # noqa: E402
 
 EXPLORER = ROOT / "tests" / "runtime" / "core" / "explorer"
 LIST = """
@@ -43,8 +43,15 @@ def listed(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     (folder / "list.cpp").write_text(LIST, encoding="utf-8")
     program = folder / "list"
     subprocess.run(
-        [compiler, "-std=c++20", f"-I{EXPLORER}", str(folder / "list.cpp"),
-         str(EXPLORER / "topology.cpp"), "-o", str(program)],
+        [
+            compiler,
+            "-std=c++20",
+            f"-I{EXPLORER}",
+            str(folder / "list.cpp"),
+            str(EXPLORER / "topology.cpp"),
+            "-o",
+            str(program),
+        ],
         check=True,
     )
     output = subprocess.run([program], check=True, capture_output=True, text=True)
@@ -59,8 +66,13 @@ def slots_of(line: str) -> tuple[int, int]:
     roles = {f"user{i}": (int(user[0]), user[1]) for i, user in enumerate(users.split())}
     publishers = tuple(name for name, (_, role) in roles.items() if role in "wbB")
     readers = tuple((name, "input") for name, (_, role) in roles.items() if role in "rqbB")
-    topic = Topic("topic", Message("Message", "", (), mark), publishers, readers,
-                  TopicConfig(None, int(depth), True, None))
+    topic = Topic(
+        "topic",
+        Message("Message", "", (), mark),
+        publishers,
+        readers,
+        TopicConfig(None, int(depth), True, None),
+    )
     levels = {name: level for name, (level, _) in roles.items()}
     reading = [levels[name] for name, _ in readers]
     return slots_needed(topic, levels, reading, int(depth)), int(slots)

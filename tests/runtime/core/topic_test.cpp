@@ -1,19 +1,16 @@
 // Topics and ports as nodes use them. The unit tests of PX4's uORB (uORBTest_UnitTest.cpp) are the
-// least that is asked of them:
-//
-// | there                | here                                                                    |
-// |----------------------|-------------------------------------------------------------------------|
-// | single               | absent_before_the_first_publication, is_new_once                         |
-// | SubscriptionMulti    | two_topics_of_one_message_are_apart                                      |
-// | multi                | two_topics_of_one_message_are_apart                                      |
-// | multi_reversed       | a_late_reader_gets_the_newest, absent_before_the_first_publication       |
-// | unadvertise          | none: topics exist from boot on; a mode's end: tests/runtime/virtual     |
-// | multi2 (queues)      | several_publishers_are_numbered_in_one_order                             |
-// | wrap_around          | Queue.numbers_survive_wrap_around, numbers_survive_wrap_around_at_depth_1|
-// | queue                | Queue.in_order_and_complete, Queue.overflow_loses_the_oldest_and_counts  |
-// | queue_poll_notify    | publishing_wakes_more_urgent_readers_at_once; tests/runtime/virtual      |
-// | latency              | none here: `./stator bench`, and the proof                               |
-// | orb_set_interval     | thinning_keeps_the_mean_rate                                             |
+// least that is asked of them. There, and here:
+//   single              absent_before_the_first_publication, is_new_once
+//   SubscriptionMulti   two_topics_of_one_message_are_apart
+//   multi               two_topics_of_one_message_are_apart
+//   multi_reversed      absent_before_the_first_publication, a_late_reader_gets_the_newest
+//   unadvertise         topics exist from boot on; for the end of a mode: tests/runtime/virtual
+//   multi2              several_publishers_are_numbered_in_one_order
+//   wrap_around         Queue.numbers_survive_wrap_around, and .._at_depth_1
+//   queue               Queue.in_order_and_complete, Queue.overflow_loses_the_oldest_and_counts
+//   queue_poll_notify   publishing_wakes_more_urgent_readers_at_once; tests/runtime/virtual
+//   latency             no test, as no time is asserted: `./stator bench`
+//   orb_set_interval    thinning_keeps_the_mean_rate
 #include <gtest/gtest.h>
 
 #include "program.hpp"
@@ -23,18 +20,9 @@ namespace stator {
 namespace {
 
 using testing::publish;
+using testing::Reading;
 using testing::TopicOf;
-
-struct Reading {
-    uint64_t timestamp;
-    uint32_t value;
-    uint32_t _padding0;
-};
-
-class TopicTest : public ::testing::Test {
-  protected:
-    TopicTest() { testing::begin(); }
-};
+using testing::TopicTest;
 
 TEST_F(TopicTest, absent_before_the_first_publication) {
     TopicOf<Reading, 1, 2> topic;
@@ -308,104 +296,6 @@ TEST_F(TopicTest, a_pause_of_a_thinned_topic_is_not_made_up_for) {
         publish(topic.topic, Reading{}, now_us);
     }
     EXPECT_EQ(state.fires.load(), 3U);  // at 0, 100 and 101 ms
-}
-
-// --- queues of every depth ---
-
-template <class Depth>
-class Queue : public TopicTest {
-  protected:
-    static constexpr unsigned kQueueDepth = Depth::value;
-    using Sized = TopicOf<Reading, kQueueDepth, kQueueDepth + 2>;
-};
-template <unsigned depth>
-using Depth = std::integral_constant<unsigned, depth>;
-using Depths = ::testing::Types<Depth<2>, Depth<4>, Depth<8>, Depth<16>>;
-TYPED_TEST_SUITE(Queue, Depths);
-
-TYPED_TEST(Queue, in_order_and_complete) {
-    constexpr unsigned kDepth = TestFixture::kQueueDepth;
-    typename TestFixture::Sized topic;
-    uint32_t cursor = 0;
-    uint32_t expected = 1;
-    uint32_t published = 0;
-    for (unsigned round = 0; round < 5; ++round) {
-        for (unsigned i = 0; i < kDepth; ++i) publish(topic.topic, Reading{0, ++published, 0}, 0);
-        Input<Reading> input;
-        input.open_queue(topic.topic, cursor, 0);
-        EXPECT_FALSE(input) << "absent until next()";
-        while (input.next()) {
-            EXPECT_EQ(input->value, expected);
-            EXPECT_EQ(input.number(), expected);
-            EXPECT_TRUE(input.is_new());
-            ++expected;
-        }
-        EXPECT_EQ(input.lost(), 0U);
-    }
-    EXPECT_EQ(expected, published + 1);
-    EXPECT_TRUE(topic.is_idle());
-}
-
-TYPED_TEST(Queue, overflow_loses_the_oldest_and_counts) {
-    constexpr unsigned kDepth = TestFixture::kQueueDepth;
-    typename TestFixture::Sized topic;
-    const uint32_t published = 3 * kDepth + 1;
-    for (uint32_t i = 1; i <= published; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
-    uint32_t cursor = 0;
-    Input<Reading> input;
-    input.open_queue(topic.topic, cursor, 0);
-    for (uint32_t i = published - kDepth + 1; i <= published; ++i) {
-        ASSERT_TRUE(input.next());
-        EXPECT_EQ(input->value, i);
-    }
-    EXPECT_FALSE(input.next());
-    EXPECT_EQ(input.lost(), published - kDepth);
-}
-
-TYPED_TEST(Queue, a_trigger_consumes_one_sample_for_each_activation) {
-    typename TestFixture::Sized topic;
-    publish(topic.topic, Reading{0, 1, 0}, 0);
-    publish(topic.topic, Reading{0, 2, 0}, 0);
-    uint32_t cursor = 0;
-    for (const uint32_t expected : {1U, 2U}) {
-        EXPECT_TRUE(has_unread(topic.topic, cursor));
-        Input<Reading> input;
-        input.take_trigger(topic.topic, cursor);
-        EXPECT_EQ(input->value, expected);
-        EXPECT_TRUE(input.next());
-        EXPECT_FALSE(input.next());
-    }
-    EXPECT_FALSE(has_unread(topic.topic, cursor));
-}
-
-TYPED_TEST(Queue, numbers_survive_wrap_around) {
-    constexpr unsigned kDepth = TestFixture::kQueueDepth;
-    const uint32_t first = 0U - kDepth / 2 - 1;
-    typename TestFixture::Sized topic(first);
-    uint32_t cursor = first;
-    for (uint32_t i = 1; i <= kDepth + 1; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
-    Input<Reading> input;
-    input.open_queue(topic.topic, cursor, 0);
-    for (uint32_t i = 2; i <= kDepth + 1; ++i) {
-        ASSERT_TRUE(input.next());
-        EXPECT_EQ(input->value, i);
-        EXPECT_EQ(input.number(), first + i);
-    }
-    EXPECT_FALSE(input.next());
-    EXPECT_EQ(input.lost(), 1U);
-}
-
-TYPED_TEST(Queue, next_goes_on_where_a_publication_in_between_left_it) {
-    typename TestFixture::Sized topic;
-    publish(topic.topic, Reading{0, 1, 0}, 0);
-    uint32_t cursor = 0;
-    Input<Reading> input;
-    input.open_queue(topic.topic, cursor, 0);
-    ASSERT_TRUE(input.next());
-    EXPECT_FALSE(input.next());
-    publish(topic.topic, Reading{0, 2, 0}, 0);
-    ASSERT_TRUE(input.next());
-    EXPECT_EQ(input->value, 2U);
 }
 
 // --- layout: what the table and the words cost on the target ---

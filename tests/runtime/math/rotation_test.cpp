@@ -75,6 +75,17 @@ TYPED_TEST(Rotation, NormAndNormalized) {
     EXPECT_EQ(normalized(Quaternion<T>(0, 2, 0, 0)).x(), T{1});
 }
 
+TYPED_TEST(Rotation, ArraysHaveTheOrderOfMessages) {
+    using T = TypeParam;
+    const std::array<T, 3> xyz{T{1}, T{2}, T{3}};
+    EXPECT_EQ(vector(xyz), Vector3<T>(1, 2, 3));
+    EXPECT_EQ(to_array(vector(xyz)), xyz);
+    const std::array<T, 4> wxyz{T{1}, T{2}, T{3}, T{4}};
+    EXPECT_EQ(quaternion(wxyz).w(), T{1});
+    EXPECT_EQ(quaternion(wxyz).z(), T{4});
+    EXPECT_EQ(to_array(quaternion(wxyz)), wxyz);
+}
+
 TYPED_TEST(Rotation, SkewIsTheCrossProduct) {
     for (int i = 0; i < 100; ++i) {
         const auto a = this->any_vector();

@@ -70,6 +70,13 @@ TEST(FloatSweep, Cos) {
 TEST(FloatSweep, Tan) {
     sweep_floats(limit::kTan, [](auto x) { return tan(x); });
 }
+TEST(FloatSweep, WrapPi) {
+    // What float leaves as it is, double may not: float's pi is greater than double's.
+    sweep_floats(limit::kWrapPi, [](auto x) {
+        const bool as_it_is = abs(x) <= static_cast<decltype(x)>(kPi<float>);
+        return as_it_is ? x : wrap_pi(x);
+    });
+}
 TEST(FloatSweep, Atan) {
     sweep_floats(limit::kAtan, [](auto x) { return atan(x); });
 }

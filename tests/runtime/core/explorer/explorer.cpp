@@ -1,6 +1,7 @@
 // Explores topologies named on the command line, or all of a kind.
 //   explorer [options] ["1r 2w 3q" ...]
-//   --depth 1,2,4   --levels 1,2,3,4   --shared   --activations 7   --most-states N   --fewer-slots 1
+//   --depth 1,2,4   --levels 1,2,3,4   --shared   --activations 7   --most-states N   --fewer-slots
+//   1
 //   --first N       numbers samples after N    --full   begins with a full history
 //   --list          names each topology with its slots, without exploring
 //   --constructed   runs the schedule that needs every slot, with the formula's and with one less
@@ -44,18 +45,30 @@ Options parse(int count, char** arguments) {
     for (int i = 1; i < count; ++i) {
         const std::string name = arguments[i];
         const auto value = [&] { return ++i < count ? arguments[i] : "0"; };
-        if (name == "--depth") options.depths = numbers(value());
-        else if (name == "--levels") options.levels = numbers(value());
-        else if (name == "--activations") options.limits.activations = numbers(value())[0];
-        else if (name == "--most-states") options.limits.states = numbers(value())[0];
-        else if (name == "--fewer-slots") options.fewer_slots = numbers(value())[0];
-        else if (name == "--first") options.first = static_cast<uint32_t>(std::atoll(value()));
-        else if (name == "--full") options.full = true;
-        else if (name == "--shared") options.shared = true;
-        else if (name == "--list") options.list = true;
-        else if (name == "--constructed") options.constructed = true;
-        else if (name == "--expect-violation") options.expects_violation = true;
-        else options.topologies.push_back(name);
+        if (name == "--depth")
+            options.depths = numbers(value());
+        else if (name == "--levels")
+            options.levels = numbers(value());
+        else if (name == "--activations")
+            options.limits.activations = numbers(value())[0];
+        else if (name == "--most-states")
+            options.limits.states = numbers(value())[0];
+        else if (name == "--fewer-slots")
+            options.fewer_slots = numbers(value())[0];
+        else if (name == "--first")
+            options.first = static_cast<uint32_t>(std::atoll(value()));
+        else if (name == "--full")
+            options.full = true;
+        else if (name == "--shared")
+            options.shared = true;
+        else if (name == "--list")
+            options.list = true;
+        else if (name == "--constructed")
+            options.constructed = true;
+        else if (name == "--expect-violation")
+            options.expects_violation = true;
+        else
+            options.topologies.push_back(name);
     }
     return options;
 }
@@ -112,8 +125,8 @@ int main(int count, char** arguments) {
                         topology.has_slot_to_spare() ? " and one to spare" : "");
             continue;
         }
-        failed += options.constructed ? !show_constructed(topology)
-                                      : !show_explored(topology, options);
+        failed +=
+            options.constructed ? !show_constructed(topology) : !show_explored(topology, options);
         std::fflush(stdout);
     }
     std::printf("%zu topologies, %u failed\n", all.size(), failed);

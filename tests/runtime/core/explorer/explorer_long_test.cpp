@@ -13,8 +13,8 @@ void expect_pass(unsigned levels, unsigned depth, const Limits& limits, const St
     uint64_t states = 0;
     for (const Topology& topology : all_topologies(levels, depth)) {
         const Verdict verdict = explore(topology, topology.slots(), limits, start);
-        EXPECT_TRUE(verdict.has_passed())
-            << topology.name() << ": " << verdict.violation << "\n" << verdict.schedule;
+        EXPECT_TRUE(verdict.has_passed()) << topology.name() << ": " << verdict.violation << "\n"
+                                          << verdict.schedule;
         states += verdict.states;
     }
     std::printf("%u levels, depth %u: %llu states\n", levels, depth,

@@ -22,8 +22,8 @@ std::vector<Topology> up_to_three_levels(unsigned depth) {
 
 void expect_pass(const Topology& topology, const Limits& limits, const Start& start = {}) {
     const Verdict verdict = explore(topology, topology.slots(), limits, start);
-    EXPECT_TRUE(verdict.has_passed())
-        << topology.name() << ": " << verdict.violation << "\n" << verdict.schedule;
+    EXPECT_TRUE(verdict.has_passed()) << topology.name() << ": " << verdict.violation << "\n"
+                                      << verdict.schedule;
     EXPECT_GT(verdict.states, 0U);
 }
 
@@ -88,8 +88,8 @@ TEST_P(ExplorerDepth, one_slot_less_passes_where_there_is_one_to_spare) {
 
 // At depth 1 the search ends by itself: no activation reaches a new state, so nothing is bounded.
 TEST(Explorer, depth_1_passes_with_unbounded_activations) {
-    for (const char* users : {"1r 2w", "1r 2r 3w", "1r 2w 3r", "1w 2b 3q", "1b 2w 3r", "1r 2b 3r",
-                              "1w 2w 3w"}) {
+    for (const char* users :
+         {"1r 2w", "1r 2r 3w", "1r 2w 3r", "1w 2b 3q", "1b 2w 3r", "1r 2b 3r", "1w 2w 3w"}) {
         const Topology topology = parse_topology(users, 1);
         const Verdict verdict = explore(topology, topology.slots(), {.activations = 200}, {});
         EXPECT_EQ(verdict.violation, "") << users;

@@ -1,5 +1,6 @@
-// Breadth-first search over schedules by running each from the start. A run follows its prefix, then
-// lets jobs go on until it meets a known state; at each new one it notes the activations to try next.
+// Breadth-first search over schedules by running each from the start. A run follows its prefix,
+// then lets jobs go on until it meets a known state; at each new one it notes the activations to
+// try next.
 #include "search.hpp"
 
 #include <sstream>
@@ -42,7 +43,8 @@ Verdict Search::search(World& world) {
     Verdict verdict;
     verdict.is_complete = true;
     for (; current_ < prefixes_.size(); ++current_) {
-        if (prefixes_[current_].activations > limits_.activations || known_.size() > limits_.states) {
+        if (prefixes_[current_].activations > limits_.activations ||
+            known_.size() > limits_.states) {
             verdict.is_complete = false;
             break;
         }
@@ -62,7 +64,8 @@ Verdict Search::search(World& world) {
 void Search::follow(uint32_t prefix) {
     point_ = 0;
     followed_.clear();
-    for (uint32_t at = prefix; at != 0; at = prefixes_[at].parent) followed_.push_back(prefixes_[at]);
+    for (uint32_t at = prefix; at != 0; at = prefixes_[at].parent)
+        followed_.push_back(prefixes_[at]);
 }
 
 int Search::choose(World& world) {
@@ -84,8 +87,8 @@ int Search::choose(World& world) {
     const auto activations = static_cast<uint8_t>(prefixes_[current_].activations + 1);
     for (unsigned user = 0; user < users; ++user) {
         if (!world.may_run(user)) continue;
-        prefixes_.push_back({current_, static_cast<uint16_t>(point), static_cast<uint8_t>(user),
-                             activations});
+        prefixes_.push_back(
+            {current_, static_cast<uint16_t>(point), static_cast<uint8_t>(user), activations});
     }
     return kNobody;
 }

@@ -20,8 +20,8 @@ struct Start {
 };
 
 struct Verdict {
-    std::string violation;     // empty: none
-    std::string schedule;      // the one that shows it
+    std::string violation;  // empty: none
+    std::string schedule;   // the one that shows it
     uint64_t states = 0;
     uint64_t runs = 0;
     unsigned activations = 0;  // explored to the end with so many

@@ -1,7 +1,7 @@
-// The state of a run, so that no state is explored twice: shared words, cursors, and what each active
-// job knows. Numbers of samples count by their distance to the newest one, long distances modulo the
-// ring, as the code only compares differences with the depth and takes indices modulo the ring.
-// Numbers in slots, and entries of the ring, that no running take can reach are left out.
+// The state of a run, so that no state is explored twice: shared words, cursors, and what each
+// active job knows. Numbers of samples count by their distance to the newest one, long distances
+// modulo the ring, as the code only compares differences with the depth and takes indices modulo
+// the ring. Numbers in slots, and entries of the ring, that no running take can reach are left out.
 #include <algorithm>
 #include <bit>
 
@@ -34,7 +34,8 @@ class Distances {
         shorten(static_cast<int32_t>(depth));
         for (unsigned i = 0; i < count_; i += 2) {
             const auto low = static_cast<uint32_t>(all_[i]);
-            hash.add(uint64_t{i + 1 < count_ ? static_cast<uint32_t>(all_[i + 1]) : 0U} << 32 | low);
+            hash.add(uint64_t{i + 1 < count_ ? static_cast<uint32_t>(all_[i + 1]) : 0U} << 32 |
+                     low);
         }
     }
 
@@ -77,7 +78,8 @@ bool World::is_any_in(Job::Phase phase) const {
 }
 
 bool World::is_number(const void* word) const {
-    return word == &state_.head || (word >= number_.data() && word < number_.data() + number_.size());
+    return word == &state_.head ||
+           (word >= number_.data() && word < number_.data() + number_.size());
 }
 
 void World::note_load(const void* word, uint32_t value) {

@@ -45,9 +45,8 @@ unsigned Topology::ceiling() const {
 }
 
 bool Topology::is_read_above(unsigned level) const {
-    return std::ranges::any_of(users, [=](const TopicUser& user) {
-        return user.role.reads() && user.level > level;
-    });
+    return std::ranges::any_of(
+        users, [=](const TopicUser& user) { return user.role.reads() && user.level > level; });
 }
 
 unsigned Topology::slots() const {

@@ -26,12 +26,12 @@ struct Topology {
     std::vector<TopicUser> users;  // by level
     unsigned depth;
 
-    std::string name() const;            // such as "1r 2w 3q depth 2"
-    unsigned top() const;                // highest publishing level
-    unsigned ceiling() const;            // as in the generated table: 0 if one level publishes
+    std::string name() const;  // such as "1r 2w 3q depth 2"
+    unsigned top() const;      // highest publishing level
+    unsigned ceiling() const;  // as in the generated table: 0 if one level publishes
     bool is_read_above(unsigned level) const;
-    unsigned slots() const;              // the compiler's formula
-    bool has_slot_to_spare() const;      // where the formula is one more than is ever used
+    unsigned slots() const;          // the compiler's formula
+    bool has_slot_to_spare() const;  // where the formula is one more than is ever used
 };
 
 // Parses "1r 2w 3q".

@@ -9,12 +9,24 @@ namespace {
 World* running = nullptr;  // the world that the topic code is called from
 }
 
-void pass_point() { running->pass_point(); }
-void note_load(const void* word, uint32_t value) { running->note_load(word, value); }
-void note_store(const void* word, uint32_t) { running->note_store(word); }
-unsigned raise_ceiling(unsigned ceiling) { return running->raise_ceiling(ceiling); }
-void restore_ceiling(unsigned ceiling) { running->restore_ceiling(ceiling); }
-void fail(const char* what) { running->fail(what); }
+void pass_point() {
+    running->pass_point();
+}
+void note_load(const void* word, uint32_t value) {
+    running->note_load(word, value);
+}
+void note_store(const void* word, uint32_t) {
+    running->note_store(word);
+}
+unsigned raise_ceiling(unsigned ceiling) {
+    return running->raise_ceiling(ceiling);
+}
+void restore_ceiling(unsigned ceiling) {
+    running->restore_ceiling(ceiling);
+}
+void fail(const char* what) {
+    running->fail(what);
+}
 
 World::World(const Topology& topology, unsigned slots, uint32_t first, unsigned published)
     : topology_(topology), slots_(slots), first_(first), published_(published) {
@@ -120,7 +132,8 @@ void World::step(Job& job) {
     job.enter(role.publishes() ? Job::Phase::kReleasing : Job::Phase::kHolding);
     stator::release(topic_, job.pin);
     const Sample& now = samples_[job.pin.slot];
-    expect(now.first == seen.first && now.second == seen.second, "a sample changes while it is read");
+    expect(now.first == seen.first && now.second == seen.second,
+           "a sample changes while it is read");
     job.has_pin = false;
 }
 
@@ -183,7 +196,8 @@ void World::check_loaned(const Job& job) {
     for (unsigned i = 0; i < job_count_; ++i) {
         const Job& other = jobs_[i];
         expect(!other.has_pin || other.pin.slot != job.loaned.slot, "a slot in use is built anew");
-        expect(!other.has_loan || other.is_built || other.loaned.slot != job.loaned.slot, "one slot is built twice");
+        expect(!other.has_loan || other.is_built || other.loaned.slot != job.loaned.slot,
+               "one slot is built twice");
     }
 }
 

@@ -1,5 +1,5 @@
-// One topic and the jobs that touch it: runs the product's topic code, lets a schedule preempt it at
-// every access of a shared word, and checks what each job gets.
+// One topic and the jobs that touch it: runs the product's topic code, lets a schedule preempt it
+// at every access of a shared word, and checks what each job gets.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@ struct Sample {
     uint32_t second;
 };
 
-// One activation. Its fields, with what it has loaded since the phase began, determine all its local
-// variables.
+// One activation. Its fields, with what it has loaded since the phase began, determine all its
+// local variables.
 struct Job {
     enum class Phase : uint8_t { kTaking, kHolding, kLoaning, kBuilding, kCommitting, kReleasing };
 

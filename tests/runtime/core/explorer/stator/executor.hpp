@@ -61,7 +61,9 @@ struct Pend {
 };
 inline void set_pending(const Pend&) {}
 inline void preempt() {}
-inline void preemption_point() { explorer::pass_point(); }
+inline void preemption_point() {
+    explorer::pass_point();
+}
 inline void require(bool condition, const char* what) {
     if (!condition) explorer::fail(what);
 }

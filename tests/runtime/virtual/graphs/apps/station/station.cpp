@@ -16,7 +16,9 @@ namespace {
 constexpr uint32_t seal_of(uint32_t value, uint32_t source) {
     return (value * 2654435761U) ^ (source << 7);
 }
-bool is_whole(const Ping& ping) { return ping.seal == seal_of(ping.value, ping.source); }
+bool is_whole(const Ping& ping) {
+    return ping.seal == seal_of(ping.value, ping.source);
+}
 
 }  // namespace
 
