@@ -1,5 +1,5 @@
-// Ties the emulated chip to the simulated world on the host: each millisecond, at hardware priority 0,
-// the world moves up to now, fills the devices that sampled meanwhile, and pends their vectors.
+// Ties the emulated chip to the simulated world on the host: each millisecond, at hardware priority
+// 0, the world moves up to now, fills the devices that sampled meanwhile, and pends their vectors.
 #include "board.hpp"
 
 #include "lines.hpp"
@@ -60,9 +60,8 @@ bool can_take(const Pend& line) {
 
 void hand_over(const link::FromPlant& from) {
     if (from.imu_sampled != 0 && can_take(lines::imu0_data_ready)) {
-        imu0 = {.timestamp_sample = from.imu_time_us,
-                .gyro_B = from.gyro_B,
-                .accel_B = from.accel_B};
+        imu0 = {
+            .timestamp_sample = from.imu_time_us, .gyro_B = from.gyro_B, .accel_B = from.accel_B};
         set_pending(lines::imu0_data_ready);
     }
     if (from.mocap_received != 0 && can_take(lines::mocap0_received)) {

@@ -1,5 +1,5 @@
-// What firmware and plant tell each other, over two FIFOs: the firmware writes ToPlant, and reads one
-// FromPlant after each step. Both sides are little-endian and lay these out alike.
+// What firmware and plant tell each other, over two FIFOs: the firmware writes ToPlant, and reads
+// one FromPlant after each step. Both sides are little-endian and lay these out alike.
 #pragma once
 
 #include <array>

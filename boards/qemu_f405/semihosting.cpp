@@ -36,8 +36,7 @@ bool transfer(uint32_t operation, int32_t handle, const void* bytes, size_t coun
 }  // namespace
 
 bool File::open(const char* path, Mode mode) {
-    const std::array<uint32_t, 3> block{word(path), static_cast<uint32_t>(mode),
-                                        std::strlen(path)};
+    const std::array<uint32_t, 3> block{word(path), static_cast<uint32_t>(mode), std::strlen(path)};
     handle_ = call(kOpen, block.data());
     return handle_ != -1;
 }

@@ -1,5 +1,6 @@
-// Semihosting: the emulator does what an instruction asks for, while the emulated clock stands still.
-// Arm, "Semihosting for AArch32 and AArch64", 2.0. Never on hardware: there the instruction faults.
+// Semihosting: the emulator does what an instruction asks for, while the emulated clock stands
+// still. Arm, "Semihosting for AArch32 and AArch64", 2.0. Never on hardware: there the instruction
+// faults.
 #pragma once
 
 #include <cstddef>

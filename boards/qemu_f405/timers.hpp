@@ -1,6 +1,6 @@
-// The two timers of this board. They rest on how QEMU 10 emulates timers, which differs from the chip:
-// a counter runs at 1 GHz / (PSC + 1) whatever the clock tree says, and does not wrap at ARR; the
-// update interrupt comes each ARR nanoseconds as long as PSC, EGR and CNT were never written.
+// The two timers of this board. They rest on how QEMU 10 emulates timers, which differs from the
+// chip: a counter runs at 1 GHz / (PSC + 1) whatever the clock tree says, and does not wrap at ARR;
+// the update interrupt comes each ARR nanoseconds as long as PSC, EGR and CNT were never written.
 // Registers: RM0090, section 18.4 (TIM2 to TIM5).
 #pragma once
 

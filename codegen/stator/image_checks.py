@@ -12,12 +12,16 @@ if TYPE_CHECKING:
 TOOLS = "arm-none-eabi-"
 
 # Symbols, and why none of them may be there.
+DOUBLE = (
+    r"__aeabi_(d\w+|[filu]+2d|f2d|h2d)|__\w+df[23]|__\w+didf|__\w+sidf"
+    r"|__truncdfsf2|__extendsfdf2"
+)
 FORBIDDEN = {
-    r"_?(malloc|calloc|realloc|free|sbrk)(_r)?|_sbrk(_r)?|_Zn[wa]\w*|_Zd[la]\w*": "the heap",
-    r"__cxa_(throw|allocate_exception|begin_catch|rethrow)|_Unwind_\w+|__gxx_personality_v0": "exceptions",
+    r"_?(malloc|calloc|realloc|free|sbrk)(_r)?|_Zn[wa]\w*|_Zd[la]\w*": "the heap",
+    r"__cxa_(throw|begin_catch|rethrow)|_Unwind_\w+|__gxx_personality_v0": "exceptions",
     r"_ZT[IS]\w+": "run-time type information",
     r"_ZGV\w+|__cxa_guard_\w+": "a guard variable",
-    r"__aeabi_(d\w+|[filu]+2d|f2d|h2d)|__\w+df[23]|__\w+didf|__\w+sidf|__truncdfsf2|__extendsfdf2": "double precision, which this chip has no instructions for",
+    DOUBLE: "double precision, which this chip has no instructions for",
 }
 # From newlib's libm; our own are in stator::math, so that a plain C name is none of ours.
 NAMES = """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2

@@ -9,8 +9,8 @@ namespace {
 // The longest SysTick may sleep: 2^24 ticks last 99 ms at 168 MHz.
 constexpr uint64_t kLongestSleep_us = 50'000;
 
-// Half periods of the 32-bit timer that have passed. Its lowest bit repeats the timer's highest one,
-// so that a reader sees whether this word lags behind the timer, whoever preempts it.
+// Half periods of the 32-bit timer that have passed. Its lowest bit repeats the timer's highest
+// one, so that a reader sees whether this word lags behind the timer, whoever preempts it.
 Shared<uint32_t> half_periods;
 
 constexpr uint32_t corrected(uint32_t known, uint32_t timer) {

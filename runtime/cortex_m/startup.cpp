@@ -19,7 +19,7 @@ namespace stator {
 
 namespace {
 
-// No lazy saving: docs/decisions/0005-no-lazy-fpu-saving.md.
+// No lazy saving: docs/decisions/0007-no-lazy-fpu-saving.md.
 void enable_fpu() {
     scb::kCoprocessors.set(scb::kFpuFullAccess);
     fpu::kContextControl.set(fpu::kAutomaticSave);

@@ -1,4 +1,4 @@
-"""What tests of firmware need besides the host's tools. Without these a test says what is missing."""
+"""What tests of firmware need besides the host's tools; they say what is missing."""
 
 from __future__ import annotations
 

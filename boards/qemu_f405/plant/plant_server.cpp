@@ -1,9 +1,9 @@
-// The plant of an emulated flight: moves the world of boards/sitl as far as the firmware's clock says,
-// answers with what the sensors saw, and prints facts of the run as JSON.
+// The plant of an emulated flight: moves the world of boards/sitl as far as the firmware's clock
+// says, answers with what the sensors saw, and prints facts of the run as JSON.
 //
-// Takes the options of a simulated flight; --log and --times mean nothing here. Works in the current
-// folder. Exit status: 0 the firmware ended the flight; 1 it went away, or a file could not be
-// written whole; 2 a wrong argument, or a file that cannot be opened.
+// Takes the options of a simulated flight; --log and --times mean nothing here. Works in the
+// current folder. Exit status: 0 the firmware ended the flight; 1 it went away, or a file could not
+// be written whole; 2 a wrong argument, or a file that cannot be opened.
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
@@ -40,7 +40,8 @@ class Server {
 
     // Serves until the firmware has finished. False if it went away before.
     bool run() {
-        for (link::ToPlant message; std::fread(&message, sizeof message, 1, files_.from_firmware);) {
+        for (link::ToPlant message;
+             std::fread(&message, sizeof message, 1, files_.from_firmware);) {
             switch (message.kind) {
                 case link::ToPlant::Kind::kStep:
                     if (!step(message.time_us)) return false;
@@ -149,7 +150,7 @@ int main(int count, char** arguments) {
     const bool finished = server.run();
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
     print(server, wall.count());
-    const bool is_whole = files.truth == nullptr ||
-                          (std::fclose(files.truth) == 0 && server.truth_is_whole());
+    const bool is_whole =
+        files.truth == nullptr || (std::fclose(files.truth) == 0 && server.truth_is_whole());
     return finished && is_whole ? 0 : 1;
 }

@@ -29,8 +29,8 @@ inline uint64_t next_release_us(const Timer& timer) {
     return timer.offset_us + uint64_t{timer.period_us} * timer.state->fires.load();
 }
 
-// A time that one level writes and lower ones read, in two words: read again if the upper one changed
-// in between.
+// A time that one level writes and lower ones read, in two words: read again if the upper one
+// changed in between.
 class SharedTime {
   public:
     uint64_t load() const {
@@ -83,15 +83,17 @@ inline bool accept_line(LineState& line, uint64_t clock_us, uint32_t min_interar
     return !drop;
 }
 
-// Whether a task runs in the present mode. Odd: it does. The switch counts up; the task's own wrapper
-// sees the new number at its next entry and constructs its node anew, as a suspended job may still
-// be using the old one.
+// Whether a task runs in the present mode. Odd: it does. The switch counts up; the task's own
+// wrapper sees the new number at its next entry and constructs its node anew, as a suspended job
+// may still be using the old one.
 struct ModeGate {
     Shared<uint32_t> epoch;
     uint32_t seen = 0;
 };
 
-constexpr uint64_t later(uint64_t a, uint64_t b) { return a < b ? b : a; }
+constexpr uint64_t later(uint64_t a, uint64_t b) {
+    return a < b ? b : a;
+}
 
 // Counts for `top`, the report and the proof's watch.
 struct TaskCounters {

@@ -14,7 +14,9 @@ struct Pend {
     uint32_t mask;
 };
 
-inline void set_pending(const Pend& pend) { nvic::set_pending(pend.word).write(pend.mask); }
+inline void set_pending(const Pend& pend) {
+    nvic::set_pending(pend.word).write(pend.mask);
+}
 inline void clear_pending(const Pend& pend) {
     nvic::clear_pending(pend.word).write(pend.mask);
     barrier();  // what is pended from here on stays pended
@@ -35,7 +37,9 @@ inline void require(bool condition, const char* what) {
 }
 
 // Level 15 is hardware priority 1, level 1 is 15; priority 0 touches no topic. Four bits of eight.
-constexpr uint32_t hardware_priority(unsigned level) { return (16U - level) << 4; }
+constexpr uint32_t hardware_priority(unsigned level) {
+    return (16U - level) << 4;
+}
 
 // Keeps the levels up to `ceiling` out by BASEPRI; 0 keeps out nobody. PRIMASK is never used, so
 // that hardware priority 0 always gets in.

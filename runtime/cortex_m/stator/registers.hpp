@@ -6,7 +6,8 @@
 
 namespace stator {
 
-// A 32-bit register. Accesses are neither dropped nor merged, and keep their order among each other.
+// A 32-bit register. Accesses are neither dropped nor merged, and keep their order among each
+// other.
 class Register {
   public:
     explicit constexpr Register(uint32_t address) : address_(address) {}
@@ -22,10 +23,18 @@ class Register {
 
 // B3.4: nested vectored interrupt controller. One bit a vector, 32 in a word.
 namespace nvic {
-constexpr Register set_enable(uint32_t word) { return Register(0xE000E100U + 4 * word); }
-constexpr Register set_pending(uint32_t word) { return Register(0xE000E200U + 4 * word); }
-constexpr Register clear_pending(uint32_t word) { return Register(0xE000E280U + 4 * word); }
-constexpr Register active(uint32_t word) { return Register(0xE000E300U + 4 * word); }
+constexpr Register set_enable(uint32_t word) {
+    return Register(0xE000E100U + 4 * word);
+}
+constexpr Register set_pending(uint32_t word) {
+    return Register(0xE000E200U + 4 * word);
+}
+constexpr Register clear_pending(uint32_t word) {
+    return Register(0xE000E280U + 4 * word);
+}
+constexpr Register active(uint32_t word) {
+    return Register(0xE000E300U + 4 * word);
+}
 // One byte a vector; only byte writes of one vector are wanted, so no Register.
 inline volatile uint8_t& priority(uint32_t vector) {
     return *reinterpret_cast<volatile uint8_t*>(0xE000E400U + vector);
@@ -52,7 +61,8 @@ inline constexpr uint32_t kDivideByZeroFaults = 1U << 4;
 inline constexpr Register kSystickPriority(0xE000ED20);  // SHPR3: bits 31 to 24
 inline constexpr unsigned kSystickPriorityShift = 24;
 inline constexpr Register kHandlers(0xE000ED24);
-inline constexpr uint32_t kFaultHandlers = 7U << 16;  // MemManage, BusFault, UsageFault of their own
+inline constexpr uint32_t kFaultHandlers = 7U
+                                           << 16;  // MemManage, BusFault, UsageFault of their own
 inline constexpr Register kFaultStatus(0xE000ED28);
 inline constexpr Register kHardFaultStatus(0xE000ED2C);
 inline constexpr Register kMemoryFaultAddress(0xE000ED34);
@@ -68,6 +78,8 @@ inline constexpr uint32_t kAutomaticSave = 1U << 31;
 inline constexpr uint32_t kLazySave = 1U << 30;
 }  // namespace fpu
 
-inline void barrier() { asm volatile("dsb\n\tisb" ::: "memory"); }
+inline void barrier() {
+    asm volatile("dsb\n\tisb" ::: "memory");
+}
 
 }  // namespace stator
