@@ -108,7 +108,15 @@ def _output(*command: str) -> str:
 def qemu_command(emulator: Emulator, image: Path, shift: int = SHIFT) -> list[str]:
     """`shift`: an instruction takes 2^shift nanoseconds."""
     return [
-        *(emulator.path, "-M", MACHINE, "-kernel", str(image), "-icount", f"shift={shift},align=off,sleep=off"),
+        *(
+            emulator.path,
+            "-M",
+            MACHINE,
+            "-kernel",
+            str(image),
+            "-icount",
+            f"shift={shift},align=off,sleep=off",
+        ),
         *("-display", "none", "-monitor", "none", "-serial", "none"),
         *("-semihosting-config", "enable=on,target=native"),
     ]
