@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tests.emulation.firmware_tools import needs_emulator
+
 from stator.build import build, build_plant
 from stator.emulate import fly
 from stator.library import HOME
-from tests.emulation.firmware_tools import needs_emulator
 
 FOLDER = HOME / "tests" / "emulation" / "counts"
 COUNTED = "COUNT"
