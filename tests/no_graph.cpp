@@ -7,7 +7,9 @@ extern const Program program;
 constinit const Program program{};
 
 namespace board {
-uint64_t next_event_us() { return kNever; }
+uint64_t next_event_us() {
+    return kNever;
+}
 void advance(uint64_t /*now_us*/) {}
 }  // namespace board
 

@@ -14,7 +14,9 @@ constexpr size_t kFlagBytes = 40;
 constexpr uint32_t kCanonicalNan = 0x7FC00000;
 constexpr uint64_t kCanonicalNanDouble = 0x7FF8000000000000;
 
-uint16_t text_bytes(const char* text) { return static_cast<uint16_t>(std::strlen(text)); }
+uint16_t text_bytes(const char* text) {
+    return static_cast<uint16_t>(std::strlen(text));
+}
 
 // Replaces any NaN of `Bits`-wide numbers by the canonical one: sign and payload of a NaN differ
 // between machines. `exponent` has the bits that are all ones in infinities and NaNs.
@@ -40,33 +42,46 @@ void canonicalise(std::byte* sample, const LogFloats& floats) {
 }  // namespace
 
 void Logger::step(LoggerPorts& ports) {
-    if (!defined_) write_definitions(ports);
-    defined_ = true;
-    write_samples(ports);
+    published_ = 0;
+    if (write_definitions(ports)) write_samples(ports);
     if (ports.now - flushed_us_ >= kFlushInterval_us) flush(ports);
     previous_us_ = ports.now;
 }
 
-void Logger::write_definitions(LoggerPorts& ports) {
+// True when all are written; samples come after them.
+bool Logger::write_definitions(LoggerPorts& ports) {
+    const uint32_t count = 1 + 2 * ports.log->topic_count + ports.log->parameter_count;
+    for (; defined_ < count && has_room(); ++defined_) write_definition(ports, defined_);
+    return defined_ == count;
+}
+
+// Header, formats, parameters, subscriptions, in this order.
+void Logger::write_definition(LoggerPorts& ports, uint32_t index) {
     const LogTable& table = *ports.log;
+    if (index == 0) return write_header(ports);
+    index -= 1;
+    if (index < table.topic_count) return write_format(ports, table.topics[index]);
+    index -= table.topic_count;
+    if (index < table.parameter_count) return write_parameter(ports, table.parameters[index]);
+    write_subscription(ports, static_cast<uint16_t>(index - table.parameter_count));
+}
+
+void Logger::write_header(LoggerPorts& ports) {
     write(ports, kHeader.data(), kHeader.size());
     const std::array<std::byte, kFlagBytes> flags{};
     begin(ports, 'B', flags.size());
     write(ports, flags.data(), flags.size());
     write_info(ports, "sys_name", "Stator");
-    write_info(ports, "ver_sw", table.graph_hash);
-    write_info(ports, "graph", table.graph);
-    for (uint32_t i = 0; i < table.topic_count; ++i) write_format(ports, table.topics[i]);
-    for (uint32_t i = 0; i < table.parameter_count; ++i) {
-        write_parameter(ports, table.parameters[i]);
-    }
-    for (uint16_t id = 0; id < table.topic_count; ++id) {
-        const char* name = table.topics[id].name;
-        begin(ports, 'A', 1 + sizeof id + text_bytes(name));
-        write(ports, "\0", 1);  // multi_id
-        write(ports, &id, sizeof id);
-        write_text(ports, name);
-    }
+    write_info(ports, "ver_sw", ports.log->graph_hash);
+    write_info(ports, "graph", ports.log->graph);
+}
+
+void Logger::write_subscription(LoggerPorts& ports, uint16_t id) {
+    const char* name = ports.log->topics[id].name;
+    begin(ports, 'A', 1 + sizeof id + text_bytes(name));
+    write(ports, "\0", 1);  // multi_id
+    write(ports, &id, sizeof id);
+    write_text(ports, name);
 }
 
 void Logger::write_info(LoggerPorts& ports, const char* key, const char* text) {
@@ -116,7 +131,7 @@ void Logger::write_samples(LoggerPorts& ports) {
     for (uint16_t id = 0; id < table.topic_count; ++id) {
         const LogTopic& row = table.topics[id];
         Pin pin;
-        while (take_logged(row, ports.now, pin)) {
+        while (has_room() && take_logged(row, ports.now, pin)) {
             const auto* samples = static_cast<const std::byte*>(row.topic->samples);
             write_sample(ports, row, id, samples + size_t{pin.slot} * row.topic->sample_bytes);
             release(*row.topic, pin);
@@ -171,6 +186,7 @@ void Logger::write_text(LoggerPorts& ports, const char* text) {
 void Logger::flush(LoggerPorts& ports) {
     flushed_us_ = ports.now;
     if (used_ == 0) return;
+    ++published_;
     ports.block.publish([&] {
         LogBlock block{};
         block.length = static_cast<uint32_t>(used_);

@@ -9,21 +9,28 @@
 namespace stator {
 
 // Collects log messages into blocks and publishes each block when it is full; what is left is
-// published at the end of every activation in which time came to flush it.
+// published when time has come to flush it. An activation publishes at most `kMostBlocks`, the
+// `burst` of its interface; what is left of the definitions or samples waits for the next one.
 class Logger {
   public:
     void step(LoggerPorts& ports);
 
   private:
     static constexpr size_t kBlockBytes = sizeof(LogBlock::data);
+    static constexpr unsigned kMostBlocks = 8;
     static constexpr uint64_t kFlushInterval_us = 100'000;
 
-    void write_definitions(LoggerPorts& ports);
+    bool has_room() const { return published_ + 1 < kMostBlocks; }
+    bool write_definitions(LoggerPorts& ports);
+    void write_definition(LoggerPorts& ports, uint32_t index);
+    void write_header(LoggerPorts& ports);
+    void write_subscription(LoggerPorts& ports, uint16_t id);
     void write_format(LoggerPorts& ports, const LogTopic& row);
     void write_parameter(LoggerPorts& ports, const LogParameter& parameter);
     void write_info(LoggerPorts& ports, const char* key, const char* text);
     void write_samples(LoggerPorts& ports);
-    void write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id, const std::byte* sample);
+    void write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id,
+                      const std::byte* sample);
     void write_dropout(LoggerPorts& ports, uint64_t duration_us);
 
     void begin(LoggerPorts& ports, char type, size_t bytes);
@@ -31,7 +38,8 @@ class Logger {
     void write_text(LoggerPorts& ports, const char* text);
     void flush(LoggerPorts& ports);
 
-    bool defined_ = false;
+    uint32_t defined_ = 0;    // definitions written
+    unsigned published_ = 0;  // blocks of this activation
     size_t used_ = 0;
     uint64_t flushed_us_ = 0;
     uint32_t lost_ = 0;

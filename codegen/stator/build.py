@@ -8,7 +8,7 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
-from stator.cli import make_plan
+from stator.cli import make_buildable_plan
 from stator.diagnostics import BuildFailed
 from stator.library import HOME
 
@@ -37,7 +37,7 @@ def build(
 
     Raises `Failed` for an error in the graph, `BuildFailed` for one in the code.
     """
-    plan = make_plan(str(graph), board)
+    plan = make_buildable_plan(str(graph), board)
     variant = variant or {}
     bare = plan.board.executor == "cortex_m"
     if executor and plan.board.executor != executor:

@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stator.diagnostics import BuildFailed, Failed, shown_path
+from stator.diagnostics import Failed, UserError, shown_path
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,7 +49,7 @@ def main(argv: list[str]) -> int:
     except Failed as failed:
         show_errors(failed)
         return 1
-    except BuildFailed as failed:
+    except UserError as failed:
         print(failed, file=sys.stderr)
         return 1
     except KeyboardInterrupt:
@@ -95,6 +95,26 @@ def make_plan(graph: str, board: str | None) -> Plan:
     from stator.plan import plan
 
     return plan(*check(Path(graph), board))
+
+
+def make_buildable_plan(graph: str, board: str | None) -> Plan:
+    """The plan for a board whose executor there is. Raises `Failed` or `UserError`."""
+    from stator.emit import EXECUTORS
+
+    plan = make_plan(graph, board)
+    if plan.board.executor not in EXECUTORS:
+        raise UserError(
+            f"error: board '{plan.board.name}' runs on the executor {plan.board.executor}, which "
+            "this version cannot build\nhint: add --board sitl"
+        )
+    return plan
+
+
+def path(text: str) -> Path:
+    """An argument that names a file or folder."""
+    if not text:
+        raise argparse.ArgumentTypeError("the name is empty")
+    return Path(text)
 
 
 def show_errors(failed: Failed) -> None:
@@ -187,22 +207,17 @@ def _show_notes(plan: Plan) -> None:
 
 def _gen_arguments(parser: argparse.ArgumentParser) -> None:
     _graph_arguments(parser)
-    parser.add_argument("-o", "--output", required=True, metavar="DIR", help="where to write")
+    parser.add_argument(
+        "-o", "--output", required=True, metavar="DIR", type=path, help="where to write"
+    )
 
 
 def _gen(arguments: argparse.Namespace) -> int:
-    from stator.emit import EXECUTORS, emit, write
+    from stator.emit import emit, write
 
-    plan = make_plan(arguments.graph, arguments.board)
-    if plan.board.executor not in EXECUTORS:
-        print(
-            f"error: board '{plan.board.name}' runs on the executor {plan.board.executor}, which "
-            f"this version cannot build\nhint: add --board sitl",
-            file=sys.stderr,
-        )
-        return 1
+    plan = make_buildable_plan(arguments.graph, arguments.board)
     files = emit(plan)
-    changed = write(files, Path(arguments.output))
+    changed = write(files, arguments.output)
     print(f"{arguments.output}: {len(files)} files, {changed} changed")
     return 0
 
@@ -235,13 +250,15 @@ def _explain(arguments: argparse.Namespace) -> int:
 
 def _picture_arguments(parser: argparse.ArgumentParser) -> None:
     _graph_arguments(parser)
-    parser.add_argument("-o", "--output", required=True, metavar="FILE", help=".svg, .png or .dot")
+    parser.add_argument(
+        "-o", "--output", required=True, metavar="FILE", type=path, help=".svg, .png or .dot"
+    )
 
 
 def _picture(arguments: argparse.Namespace) -> int:
     from stator.picture import draw
 
-    error = draw(make_plan(arguments.graph, arguments.board), Path(arguments.output))
+    error = draw(make_plan(arguments.graph, arguments.board), arguments.output)
     if error:
         print(error, file=sys.stderr)
         return 1

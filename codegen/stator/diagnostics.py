@@ -69,7 +69,11 @@ class Failed(Exception):
         self.errors = errors
 
 
-class BuildFailed(Exception):
+class UserError(Exception):
+    """What the user asked for cannot be done; the message says why, and what to do."""
+
+
+class BuildFailed(UserError):
     """CMake or the compiler failed; the message is what they said."""
 
 

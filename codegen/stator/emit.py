@@ -13,7 +13,7 @@ import jinja2
 
 from stator import emit_cortex_m as cortex_m
 from stator import emit_rows as rows
-from stator.diagnostics import Mark
+from stator.diagnostics import Mark, UserError
 from stator.graph_hash import graph_hash
 from stator.library import HOME
 from stator.names import snake
@@ -80,22 +80,44 @@ def _cortex_m(plan: Plan, tasks: list[rows.Row]) -> dict[str, str]:
 
 def write(files: dict[str, str], folder: Path) -> int:
     """Writes what differs, removes what an earlier run wrote and this one did not. Returns how many
-    files changed."""
+    files changed. Raises `UserError` where it cannot write, or would overwrite what is not its own.
+    """
+    try:
+        return _write(files, folder)
+    except OSError as error:
+        raise UserError(
+            f"error: cannot write '{error.filename}': {error.strerror}\n"
+            "hint: name a folder that is new, empty, or an earlier output"
+        ) from error
+
+
+def _write(files: dict[str, str], folder: Path) -> int:
     manifest = folder / MANIFEST
-    old = manifest.read_text(encoding="utf-8").split("\n") if manifest.is_file() else []
+    if not manifest.is_file() and folder.is_dir() and any(folder.iterdir()):
+        raise UserError(
+            f"error: '{folder}' has files that are not an earlier output\n"
+            "hint: name a folder that is new or empty"
+        )
+    old = manifest.read_bytes().decode(errors="replace").split("\n") if manifest.is_file() else []
     changed = 0
     for name in old:
-        if name and name not in files and (folder / name).is_file():
-            (folder / name).unlink()
+        stale = folder / name
+        is_inside = not Path(name).is_absolute() and ".." not in Path(name).parts
+        if name and name not in files and is_inside and stale.is_file():
+            stale.unlink()
             changed += 1
-    for name, text in {**files, MANIFEST: "\n".join(files) + "\n"}.items():
-        path = folder / name
-        if path.is_file() and path.read_text(encoding="utf-8") == text:
-            continue
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8", newline="\n")
-        changed += 1
+    for name, text in files.items():
+        changed += _write_if_changed(folder / name, text)
+    _write_if_changed(manifest, "\n".join(files) + "\n")
     return changed
+
+
+def _write_if_changed(path: Path, text: str) -> bool:
+    if path.is_file() and path.read_bytes() == text.encode():
+        return False
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(text.encode())
+    return True
 
 
 def _start(file: Path) -> Mark:

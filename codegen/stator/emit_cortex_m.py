@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stator.diagnostics import UserError
 from stator.emit_rows import VECTOR_WORD_BITS
 from stator.plan import vector_of
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from stator.plan import Plan, Task
 
 LOWEST_LEVEL = 1
+MEMORIES = ("flash", "ram", "ccm")
 
 
 def program(plan: Plan) -> Row:
@@ -132,8 +134,14 @@ def _bit(plan: Plan, name: str) -> Row:
 
 
 def image(plan: Plan) -> Row:
-    """The memories of the linker script. `check` of the board has made sure that they are there."""
+    """The memories of the linker script. Raises `UserError` if the chip's file lacks one."""
     assert plan.board.chip is not None
+    missing = [name for name in MEMORIES if name not in plan.board.chip.memory]
+    if missing:
+        raise UserError(
+            f"error: chip {plan.board.chip.name} has no memory {', '.join(missing)}\n"
+            f'hint: add `memory: {{{missing[0]}: {{at: "0x20000000", bytes: 131072}}}}` to its file'
+        )
     return {
         name: {"at": f"{memory.at:#010x}", "bytes": memory.bytes}
         for name, memory in plan.board.chip.memory.items()

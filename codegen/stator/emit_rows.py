@@ -198,11 +198,7 @@ def task(plan: Plan, planned: Task) -> Row:
 
 def _input(plan: Plan, node: Node, key: str) -> Row:
     source = node.inputs[key]
-    trigger = node.trigger_of(source.topic)
-    if trigger is not None:
-        kind = "thinned" if trigger.is_thinned else "trigger"
-    else:
-        kind = "queue" if source.queue else "latest"
+    kind = node.way_of(source)
     age = source.max_age_us
     return {
         "name": key,

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stator.build import build_plant
-from stator.diagnostics import BuildFailed
+from stator.diagnostics import UserError
 from stator.firmware import build_image
 from stator.fly import add_flight_arguments, default_log, facts_of, progress, report
 from stator.library import HOME
@@ -30,7 +30,7 @@ SHIFT = 3
 END_S = 10.0  # how long the one side may take to see that the other one has ended
 
 
-class NoEmulator(Exception):
+class NoEmulator(UserError):
     """No QEMU here that emulates the chip well enough; the message says what to do."""
 
 
@@ -57,7 +57,7 @@ def main(arguments: argparse.Namespace) -> int:
         emulator = find_emulator()
         image = build_image(arguments.graph, arguments.board, sleep=arguments.sleep)
         plant = build_plant()
-    except (BuildFailed, NoEmulator) as failed:
+    except UserError as failed:
         print(failed, file=sys.stderr)
         return 2
     options = ["--truth", str(truth.resolve()), "--seed", str(arguments.seed)]

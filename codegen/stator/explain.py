@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 
 
 LABEL_WIDTH = 36
+WAYS = {
+    "trigger": "each activation takes one, in order",
+    "thinned": "latest",
+    "queue": "all, in order",
+    "latest": "latest",
+}
 
 
 def explain(plan: Plan, name: str) -> list[str] | None:
@@ -38,16 +44,8 @@ def _node(plan: Plan, task: Task) -> list[str]:
         _row("in", f"{shown_path(node.mark.file)}:{node.mark.line}"),
         _row("app" if node.device is None else "device", _what(plan, node)),
         _row("wakes on", triggers_text(node)),
-        _row("period", _period(rates.node(node.name))),
-        _row(
-            "level",
-            f"{task.level} of {max(t.level for t in plan.tasks)}, "
-            + (
-                "from its deadline, as the graph gives no priorities"
-                if plan.derived
-                else "as the graph says"
-            ),
-        ),
+        _row("at most every", _period(rates.node(node.name))),
+        _row("level", _level(plan, task)),
     ]
     if task.vector is not None and plan.board.chip is not None:
         lines.append(
@@ -64,9 +62,7 @@ def _node(plan: Plan, task: Task) -> list[str]:
     lines.append(_row("preempts", _names(t for t in plan.tasks if t.level < task.level)))
     for key, source in node.inputs.items():
         topic = plan.topics[source.topic]
-        kind = (
-            "in order" if node.trigger_of(source.topic) else "queue" if source.queue else "latest"
-        )
+        kind = WAYS[node.way_of(source)]
         age = f", absent when older than {source.max_age_us} us" if source.max_age_us else ""
         lines.append(
             _row(
@@ -87,6 +83,13 @@ def _node(plan: Plan, task: Task) -> list[str]:
     return lines
 
 
+def _level(plan: Plan, task: Task) -> str:
+    levels = sorted({t.level for t in plan.tasks}, reverse=True)
+    place = levels.index(task.level) + 1
+    reason = "from its deadline, as the graph gives no priorities" if plan.derived else "as given"
+    return f"{task.level}, number {place} in urgency of {len(levels)}; {reason}"
+
+
 def _topic(plan: Plan, topic: TopicPlan) -> list[str]:
     levels = {task.node.name: task.level for task in plan.tasks}
 
@@ -105,7 +108,7 @@ def _topic(plan: Plan, topic: TopicPlan) -> list[str]:
             ", ".join(map(with_level, topic.publishers)) or f"the parameters of {topic.owner}",
         ),
         _row("read by", ", ".join(with_level(name) for name, _ in topic.readers) or "nobody"),
-        _row("period", _period(topic.period_us)),
+        _row("at most every", _period(topic.period_us)),
         _row("depth", str(topic.depth)),
         _row("slots", f"{topic.slots}, so {topic.slots * topic.message.bytes} bytes"),
         _row("publishing", guard),

@@ -10,14 +10,15 @@ import sys
 from pathlib import Path
 
 from stator.build import SLEEP, build
-from stator.diagnostics import BuildFailed, shown_path
+from stator.cli import path
+from stator.diagnostics import BuildFailed, UserError, shown_path
 from stator.image_checks import faults_of
 
 TOOLS = "arm-none-eabi-"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("graph", type=Path, help="a graph file, such as graph/quad.yaml")
+    parser.add_argument("graph", type=path, help="a graph file, such as graph/quad.yaml")
     parser.add_argument("--board", help="another board than the graph's own")
     parser.add_argument("--sleep", action="store_true", help="sleep when idle, instead of spinning")
     parser.add_argument("--json", action="store_true", help="print what programs read")
@@ -26,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(arguments: argparse.Namespace) -> int:
     try:
         image = build_image(arguments.graph, arguments.board, sleep=arguments.sleep)
-    except BuildFailed as failed:
+    except UserError as failed:
         print(failed, file=sys.stderr)
         return 2
     files = {
@@ -37,7 +38,7 @@ def main(arguments: argparse.Namespace) -> int:
     sizes = sizes_of(image.with_name(image.name + ".map"))
     total = total_of(image)
     if arguments.json:
-        facts: dict[str, object] = {key: str(path) for key, path in files.items()}
+        facts: dict[str, object] = {key: str(file) for key, file in files.items()}
         facts |= {"flash_bytes": total[0], "ram_bytes": total[1]}
         facts["parts"] = {
             name: dict(zip(("flash_bytes", "ram_bytes"), size, strict=True))
@@ -49,7 +50,7 @@ def main(arguments: argparse.Namespace) -> int:
     print(f"{'':{width}}  {'flash':>8}  {'ram':>8}")
     for name, size in [*sizes.items(), ("image", total)]:
         print(f"{name:{width}}  {size[0]:8,}  {size[1]:8,}")
-    print("\n".join(f"{shown_path(path)}" for path in files.values()))
+    print("\n".join(f"{shown_path(file)}" for file in files.values()))
     return 0
 
 

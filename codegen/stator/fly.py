@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.build import PREEMPTION, build
-from stator.diagnostics import BuildFailed, shown_path
+from stator.cli import path
+from stator.diagnostics import UserError, shown_path
 from stator.library import HOME
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
     parser.add_argument(
         "--duration", type=duration_of, default=120.0, help="most seconds of flight (default: 120)"
     )
-    parser.add_argument("-o", "--output", type=Path, metavar="LOG", help="where to keep the log")
+    parser.add_argument("-o", "--output", type=path, metavar="LOG", help="where to keep the log")
     parser.add_argument("--json", action="store_true", help="print what programs read")
 
 
@@ -76,7 +77,7 @@ def main(arguments: argparse.Namespace) -> int:
     try:
         variant = PREEMPTION if arguments.times == "random" else None
         program = build(arguments.graph, arguments.board, variant, executor="virtual")
-    except BuildFailed as failed:
+    except UserError as failed:
         print(failed, file=sys.stderr)
         return 2
     with progress(f"flying {arguments.graph.stem}, seed {arguments.seed} ..."):

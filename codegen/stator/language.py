@@ -189,7 +189,17 @@ INPUT_PORT = Struct(
         "doc": _PORT_DOC,
     }
 )
-OUTPUT_PORT = Struct({"message": _MESSAGE, "doc": _PORT_DOC})
+OUTPUT_PORT = Struct(
+    {
+        "message": _MESSAGE,
+        "burst": Key(
+            Integer(1, DEPTHS[-1]),
+            "Most publications of one activation: the depth that readers need which do not outrank "
+            "the node.",
+        ),
+        "doc": _PORT_DOC,
+    }
+)
 PARAM = Struct(
     {
         "type": Key(Choice(("float", "int32", "bool")), "Type of the value.", required=True),

@@ -58,7 +58,8 @@ class Message:
 class Port:
     name: str
     message: Message
-    optional: bool
+    optional: bool  # an input
+    burst: int  # of an output: most publications of one activation
     doc: str
 
 
@@ -174,6 +175,13 @@ class Node:
     outputs: dict[str, NodeOutput]
     params: dict[str, Value]
     mark: Mark
+
+    def way_of(self, source: NodeInput) -> str:
+        """How the node reads an input: trigger, thinned, queue or latest."""
+        trigger = self.trigger_of(source.topic)
+        if trigger is not None:
+            return "thinned" if trigger.is_thinned else "trigger"
+        return "queue" if source.queue else "latest"
 
     def trigger_of(self, topic: str) -> Trigger | None:
         """The topic trigger on this topic, if the node has one."""

@@ -66,7 +66,7 @@ def _topic(
     queue_readers = [node for node, port in topic.readers if graph.nodes[node].inputs[port].queue]
     if log_us == 0 and logger is not None:
         queue_readers.append(logger.name)
-    depth = _depth(topic, queue_readers, rates, report)
+    depth = max(_depth(topic, queue_readers, rates, report), _burst(graph, topic, levels))
     publishing = {levels[name] for name in topic.publishers}
     top = max(publishing)
     reading = [levels[name] for name, _ in topic.readers]
@@ -126,6 +126,19 @@ def _log(
     return 0 if slow else LOG_ELSE_US
 
 
+def _burst(graph: Graph, topic: GraphTopic, levels: dict[str, int]) -> int:
+    """What one activation publishes before readers that do not outrank it come to read."""
+    if topic.config.depth is not None:
+        return 1
+    bursts = [1]
+    woken = [name for name, _ in topic.readers if graph.nodes[name].trigger_of(topic.name)]
+    for name in topic.publishers:
+        if any(levels[reader] <= levels[name] for reader in woken):
+            outputs = graph.nodes[name].outputs.values()
+            bursts += [o.port.burst for o in outputs if o.topic == topic.name]
+    return next(depth for depth in DEPTHS if depth >= max(bursts))
+
+
 def _depth(topic: GraphTopic, queue_readers: list[str], rates: Rates, report: Report) -> int:
     """The smallest depth that holds what is published between two activations of each reader."""
     config = topic.config
@@ -155,7 +168,12 @@ def _depth(topic: GraphTopic, queue_readers: list[str], rates: Rates, report: Re
             "depth-small",
             f"'{topic.name}' would need a depth of {needed} for "
             f"'{slowest}', and {DEPTHS[-1]} is the most",
-            f"activate '{slowest}' more often, or let it read the latest sample only",
+            f"activate '{slowest}' more often, or "
+            + (
+                "let it read the latest sample only"
+                if any(name == slowest for name, _ in topic.readers)
+                else f"write `topics: {{{topic.name}: {{log: 50 Hz}}}}`"
+            ),
         )
     elif config.depth is not None and config.depth < needed:
         report.error(

@@ -65,7 +65,11 @@ def _ports(library: Library, record: Record, key: str) -> dict[str, Port]:
         message = None if leaf is None else library.message(leaf.value, leaf.mark)
         if message is not None:
             ports[name] = Port(
-                name, message, value.value("optional", False), value.value("doc", "")
+                name=name,
+                message=message,
+                optional=value.value("optional", False),
+                burst=value.value("burst", 1),
+                doc=value.value("doc", ""),
             )
     return ports
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import yaml
 
-from stator.diagnostics import MOST_BYTES, Mark, Report, beside
+from stator.diagnostics import MOST_BYTES, Mark, Report, beside, shown_path
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -57,7 +57,14 @@ def load(path: Path, report: Report) -> Tree | None:
         state = path.stat()
         if not stat.S_ISREG(state.st_mode):
             what = "a folder" if stat.S_ISDIR(state.st_mode) else "no regular file"
-            report.error(start, "file-missing", f"cannot read the file: it is {what}")
+            report.error(
+                start,
+                "file-missing",
+                f"cannot read the file: it is {what}",
+                report.nearest(
+                    "", [shown_path(graph) for graph in sorted(path.glob("*.yaml"))[:8]]
+                ),
+            )
             return None
         if state.st_size > MOST_BYTES:
             report.error(
@@ -79,7 +86,11 @@ def load(path: Path, report: Report) -> Tree | None:
         )
         return None
     except OSError as error:
-        report.error(start, "file-missing", f"cannot read the file: {error.strerror}")
+        others = [shown_path(other) for other in sorted(path.parent.glob("*.yaml"))[:200]]
+        hint = (
+            report.nearest(shown_path(path), others) or "name a graph file, such as graph/quad.yaml"
+        )
+        report.error(start, "file-missing", f"cannot read the file: {error.strerror}", hint)
         return None
     return parse(text, path, report)
 

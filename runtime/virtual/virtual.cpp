@@ -73,7 +73,7 @@ void use_random_times(const RandomTimes& times) {
 
 void pass_preemption_point() {
     if (executor.now_us >= run_end_us) return;  // also a machine that is overloaded comes to an end
-    executor.preemption_armed = false;  // what pends has no preemption points of its own
+    executor.preemption_armed = false;          // what pends has no preemption points of its own
     executor.now_us += next_random() % (random_times.most_us + 1);
     if (next_instant_us() <= executor.now_us) pend_due();
     executor.preemption_armed = true;
@@ -111,6 +111,8 @@ void run_until(uint64_t end_us) {
     }
 }
 
-void stop() { stopped = true; }
+void stop() {
+    stopped = true;
+}
 
 }  // namespace stator

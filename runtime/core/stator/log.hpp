@@ -1,5 +1,5 @@
-// The generated table of what is logged. The logger is a reader like any other; as it handles samples
-// of every type alike, it sees them as bytes.
+// The generated table of what is logged. The logger is a reader like any other; as it handles
+// samples of every type alike, it sees them as bytes.
 #pragma once
 
 #include <cstdint>
@@ -48,6 +48,8 @@ struct LogTable {
     const char* graph;       // name
     const char* graph_hash;  // of what behaves; DESIGN 8
 };
+
+extern const LogTable log_table;  // generated, where the graph has a logger
 
 // Samples that passed before the logger came to read them.
 inline uint64_t lost_samples(const LogTable& table) {

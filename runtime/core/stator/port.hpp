@@ -30,8 +30,8 @@ class Input {
     const Message& operator*() const { return *sample_; }
     const Message* operator->() const { return sample_; }
 
-    // True if no earlier activation of this node has seen this sample.
-    bool is_new() const { return is_new_; }
+    // True if there is a sample, and no earlier activation of this node has seen it.
+    bool is_new() const { return is_new_ && sample_ != nullptr; }
     // Samples that passed unread since the one seen before; in a queue input, summed over `next()`.
     uint32_t lost() const { return lost_; }
     // Number of the sample on its topic, from 1, modulo 2^32.

@@ -2,10 +2,10 @@
 //
 // Jobs run to completion on one stack and nest like brackets, so one word says which slots are
 // free: a reader saves the word and clears the bit of the slot it takes, and restores the word when
-// it is done; whoever preempts in between puts back what it found. Publishing finds a free slot with
-// one load and one count-leading-zeros, whatever the number of readers. Safety rests on no timing.
-// docs/topics.md has the argument and the slot formula; the explorer in tests/runtime/core runs
-// this code under every preemption schedule of small topologies.
+// it is done; whoever preempts in between puts back what it found. Publishing finds a free slot
+// with one load and one count-leading-zeros, whatever the number of readers. Safety rests on no
+// timing. docs/topics.md has the argument and the slot formula; the explorer in tests/runtime/core
+// runs this code under every preemption schedule of small topologies.
 #pragma once
 
 #include <atomic>
@@ -45,8 +45,12 @@ class Shared {
 
 // Slot 0 is the top bit, so that count-leading-zeros gives the index of a free slot.
 inline constexpr unsigned kMaxSlots = 32;
-constexpr uint32_t slot_mask(unsigned slot) { return 0x80000000U >> slot; }
-constexpr uint32_t all_slots(unsigned slots) { return ~0U << (kMaxSlots - slots); }
+constexpr uint32_t slot_mask(unsigned slot) {
+    return 0x80000000U >> slot;
+}
+constexpr uint32_t all_slots(unsigned slots) {
+    return ~0U << (kMaxSlots - slots);
+}
 
 // What of a topic changes at run time.
 struct TopicState {
@@ -79,8 +83,8 @@ struct Topic {
     uint8_t subscriber_count;
     uint8_t thinned_count;
     uint8_t slots;
-    uint8_t depth;     // power of two
-    uint8_t ceiling;   // highest publishing level if several levels publish, else 0
+    uint8_t depth;    // power of two
+    uint8_t ceiling;  // highest publishing level if several levels publish, else 0
 };
 
 // A slot in use by a job: what to put back into `free` at its end.
@@ -109,7 +113,9 @@ inline bool take_latest(const Topic& topic, Pin& pin) {
     return true;
 }
 
-inline void release(const Topic& topic, const Pin& pin) { topic.state->free.store(pin.saved_free); }
+inline void release(const Topic& topic, const Pin& pin) {
+    topic.state->free.store(pin.saved_free);
+}
 
 // Takes the oldest sample after number `cursor`, moves `cursor` on to it and adds to `lost` what
 // the history no longer holds. False if there is none. A round repeats only if a publication
@@ -158,7 +164,9 @@ struct Loan {
 };
 
 // The common case, worth a short path: only the newest sample counts, and one level publishes.
-inline bool is_plain(const Topic& topic) { return topic.depth == 1 && topic.ceiling == 0; }
+inline bool is_plain(const Topic& topic) {
+    return topic.depth == 1 && topic.ceiling == 0;
+}
 
 // Samples of the history that a publisher may not overwrite. Without `keep` no reader outranks it,
 // so the oldest one may be overwritten in place.
@@ -221,17 +229,23 @@ inline void commit(const Topic& topic, Loan loaned) {
     topic.state->head.store(number);
 }
 
-[[gnu::noinline]] inline void wake(const Topic& topic, uint64_t timestamp_us) {
+// Pends the thinned subscribers that are due. In one section: another publisher must not come in
+// between, and all are pended before any runs.
+inline void pend_thinned(const Topic& topic, uint64_t timestamp_us) {
+    const Section section(topic.ceiling);
     for (unsigned i = 0; i < topic.thinned_count; ++i) {
         const Thinned& thinned = topic.thinned[i];
-        const Section section(topic.ceiling);
         if (timestamp_us < thinned.state->due_us) continue;
         const uint64_t late = timestamp_us - thinned.state->due_us;
         thinned.state->due_us += (late / thinned.interval_us + 1) * thinned.interval_us;
         thinned.state->fires.store(thinned.state->fires.load() + 1);
         set_pending(thinned.pend);
     }
+}
+
+[[gnu::noinline]] inline void wake(const Topic& topic, uint64_t timestamp_us) {
     for (unsigned i = 0; i < topic.subscriber_count; ++i) set_pending(topic.subscribers[i]);
+    if (topic.thinned_count != 0) pend_thinned(topic, timestamp_us);
     preempt();
 }
 

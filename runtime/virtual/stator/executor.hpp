@@ -32,8 +32,12 @@ inline void require(bool condition, const char* what) {
     }
 }
 
-inline void clear_pending(const Pend& pend) { executor.pending[pend.word] &= ~pend.mask; }
-inline void set_pending(const Pend& pend) { executor.pending[pend.word] |= pend.mask; }
+inline void clear_pending(const Pend& pend) {
+    executor.pending[pend.word] &= ~pend.mask;
+}
+inline void set_pending(const Pend& pend) {
+    executor.pending[pend.word] |= pend.mask;
+}
 
 // Index of the most urgent pending task; past the last task if none is pending.
 inline unsigned first_pending() {

@@ -5,11 +5,6 @@
 
 namespace stator {
 
-void publish_parameters();
-namespace modes {
-void start();
-}
-
 namespace {
 
 // Most urgent first.

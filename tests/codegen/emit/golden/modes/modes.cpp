@@ -5,9 +5,6 @@
 
 namespace stator::modes {
 
-void start();
-void follow();
-
 namespace {
 
 struct Gated {
@@ -41,15 +38,12 @@ void change(unsigned mode) {
 
 }  // namespace
 
-// Starts the nodes of the initial mode.
 void start() {
     for (unsigned i = 0; i < kGatedCount; ++i) {
         if (kRuns[current][i]) kGated[i].enable();
     }
 }
 
-// Switches to the newest published mode. Runs in the publisher of the mode, after its step; a number
-// that is no mode changes nothing.
 void follow() {
     Pin pin;
     if (!take_latest(topics::mode, pin)) return;

@@ -33,3 +33,15 @@ extern TaskCounters counters;
 extern TimerState every_0;
 void run();
 }  // namespace stator::tasks::mode_switch
+
+namespace stator {
+// Publishes the parameters of every node, before anything runs.
+void publish_parameters();
+namespace modes {
+// Starts the nodes of the initial mode.
+void start();
+// Switches to the newest published mode. Runs in the publisher of the mode, after its step; a
+// number that is no mode changes nothing.
+void follow();
+}  // namespace modes
+}  // namespace stator

@@ -5,8 +5,6 @@
 
 namespace stator {
 
-void publish_parameters();
-
 namespace {
 
 // Most urgent first.

@@ -22,3 +22,8 @@ extern TaskCounters counters;
 extern TimerState every_0;
 void run();
 }  // namespace stator::tasks::slow
+
+namespace stator {
+// Publishes the parameters of every node, before anything runs.
+void publish_parameters();
+}  // namespace stator

@@ -3,10 +3,6 @@
 #include "tasks.hpp"
 #include "topics.hpp"
 
-namespace stator::modes {
-void follow();
-}
-
 namespace stator::tasks::mode_switch {
 
 TaskCounters counters;
