@@ -18,6 +18,11 @@ ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENT = ROOT / ".venv"
 REQUIREMENTS = ROOT / "requirements.txt"
 LOG = ROOT / "build" / "setup.log"
+APT = Path("/etc/apt")
+OS_RELEASE = Path("/etc/os-release")
+# Too old in the release itself, with the packages that have to come from the same place.
+QEMU = ["qemu-system-arm", "qemu-system-common", "qemu-system-data"]
+FROM_BACKPORTS = {"bookworm": {"qemu-system-arm": QEMU}}
 # Set by some users for other projects; here they would put the packages elsewhere.
 UNWANTED_VARIABLES = ("PIP_TARGET", "PIP_PREFIX", "PIP_USER")
 
@@ -69,6 +74,52 @@ def has_terminal() -> bool:
     return True
 
 
+def release() -> str:
+    """The code name of this Debian or Ubuntu, such as bookworm; empty if it has none."""
+    if not OS_RELEASE.exists():
+        return ""
+    lines = OS_RELEASE.read_text(encoding="utf-8").splitlines()
+    names = [line.partition("=")[2] for line in lines if line.startswith("VERSION_CODENAME=")]
+    return names[0].strip('"') if names else ""
+
+
+def backports_source(suite: str) -> str:
+    """A source of apt for backports: where this system's own packages of the release come from."""
+    for file in sorted((APT / "sources.list.d").glob("*.sources")):
+        for entry in file.read_text(encoding="utf-8").split("\n\n"):
+            pairs = [line.partition(":") for line in entry.splitlines() if ":" in line]
+            fields = {key.lower(): value.strip() for key, _, value in pairs if key[:1] != "#"}
+            if suite in fields.get("suites", "").split():
+                signed = fields.get("signed-by", "")
+                lines = ["Types: deb", f"URIs: {fields['uris']}", f"Suites: {suite}-backports"]
+                lines += ["Components: main", *([f"Signed-By: {signed}"] if signed else [])]
+                return "\n".join(lines) + "\n"
+    uri = "http://deb.debian.org/debian"
+    return f"Types: deb\nURIs: {uri}\nSuites: {suite}-backports\nComponents: main\n"
+
+
+def with_backports(
+    lock: IO[str], packages: list[str], prefix: list[str]
+) -> tuple[list[str], list[str]]:
+    """The packages, those that are too old in this release marked to come from its backports; and
+    the commands that make apt know these, or none if it does."""
+    suite = release()
+    late = FROM_BACKPORTS.get(suite, {})
+    if not any(package in late for package in packages):
+        return packages, []
+    marked = [package for package in packages if package not in late]
+    marked += [f"{part}/{suite}-backports" for p in packages for part in late.get(p, [])]
+    policy = subprocess.run(["apt-cache", "policy"], capture_output=True, text=True, check=False)
+    if f"{suite}-backports" in policy.stdout:
+        return marked, []
+    target = APT / "sources.list.d" / f"{suite}-backports.sources"
+    text = shlex.quote(backports_source(suite))
+    command = shell(*prefix, "sh", "-c", f"printf %s {text} > {target}")
+    if not (run(lock, *shlex.split(command)) and run(lock, *prefix, "apt-get", "update")):
+        raise SetUpError(f"could not add {suite}-backports to apt's sources", [command])
+    return marked, [command]
+
+
 def install_packages(lock: IO[str], packages: list[str]) -> None:
     prefix = [] if os.geteuid() == 0 else ["sudo"]
     update = shell(*prefix, "apt-get", "update")
@@ -83,8 +134,10 @@ def install_packages(lock: IO[str], packages: list[str]) -> None:
             "neither root nor sudo is here to install: " + " ".join(packages),
             ["as root: " + command.removeprefix("sudo ") for command in by_hand],
         )
+    packages, first = with_backports(lock, packages, prefix)
+    by_hand = [*first, update, shell(*prefix, "apt-get", "install", *packages)]
     say(f"installing with apt: {' '.join(packages)}")
-    say(f"  by hand: {by_hand[1]}")
+    say(f"  by hand: {by_hand[-1]}")
     sudo = prefix if has_terminal() else [word for p in prefix for word in (p, "--non-interactive")]
     apt = [*sudo, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "--yes"]
     apt += ["-o", "DPkg::Lock::Timeout=600"]

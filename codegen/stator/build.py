@@ -19,14 +19,33 @@ if TYPE_CHECKING:
 PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # for runs in which activations take time
 
 
-def build(graph: Path, board: str | None, variant: Mapping[str, str] | None = None) -> Path:
+SLEEP = {"STATOR_SLEEP": "ON"}  # on bare metal: sleeps when idle, instead of spinning
+TOOLCHAIN = HOME / "codegen" / "cmake" / "cortex_m4f.cmake"
+INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate"}
+
+
+def build(
+    graph: Path,
+    board: str | None,
+    variant: Mapping[str, str] | None = None,
+    *,
+    executor: str = "",
+) -> Path:
     """The executable of the graph on this board (its own if None), built anew where needed.
-    `variant`: CMake variables that differ from the defaults, such as another compiler.
+    `variant`: CMake variables that differ from the defaults, such as another compiler. `executor`:
+    the only one that will do.
 
     Raises `Failed` for an error in the graph, `BuildFailed` for one in the code.
     """
     plan = make_buildable_plan(str(graph), board)
     variant = variant or {}
+    bare = plan.board.executor == "cortex_m"
+    if executor and plan.board.executor != executor:
+        instead = INSTEAD.get(plan.board.executor)
+        raise BuildFailed(
+            f"error: board '{plan.board.name}' runs on the executor {plan.board.executor}, "
+            f"not {executor}" + (f"\nhint: {instead} flies it" if instead else "")
+        )
     names = [key if value == "ON" else value for key, value in variant.items()]
     words = [plan.graph.name, plan.board.name, *(re.sub(r"\W+", "_", name) for name in names)]
     name = "-".join(word.strip("_") for word in words)
@@ -34,12 +53,20 @@ def build(graph: Path, board: str | None, variant: Mapping[str, str] | None = No
         f"-DSTATOR_GRAPH={plan.graph.file}",
         f"-DSTATOR_BOARD={plan.board.name}",
         "-DSTATOR_TESTS=OFF",
+        *([f"-DCMAKE_TOOLCHAIN_FILE={TOOLCHAIN}"] if bare else []),
         *(f"-D{key}={value}" for key, value in variant.items()),
     ]
     _one_line(f"building {name} ...")
     folder = HOME / "build" / name
     configure(folder, options, ["graph_program"])
-    return folder / "graph_program"
+    return folder / ("graph_program.elf" if bare else "graph_program")
+
+
+def build_plant() -> Path:
+    """The simulated world that emulated firmware flies in, as a program of this machine."""
+    folder = HOME / "build" / "plant"
+    configure(folder, ["-DSTATOR_TESTS=OFF"], ["plant_server"])
+    return folder / "boards" / "qemu_f405" / "plant" / "plant_server"
 
 
 def configure(folder: Path, options: list[str], targets: list[str]) -> None:

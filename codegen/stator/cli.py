@@ -22,6 +22,8 @@ COMMANDS = {
     "graph": "draw a graph",
     "explain": "say why a node runs when and where it does",
     "fly": "fly a graph in simulation and report",
+    "build": "build a graph's firmware and show what it takes",
+    "emulate": "fly a graph's firmware in an emulator and report",
     "score": "score an estimator on recordings",
     "bench": "measure against peers, as ratios within one run",
     "test": "run every test",
@@ -30,7 +32,13 @@ COMMANDS = {
     "setup": "install what is missing",
 }
 # Commands that have a module of their own, and those that read their arguments themselves.
-MODULES = {"fly": "stator.fly", "score": "stator.score", "bench": "stator.bench"}
+MODULES = {
+    "fly": "stator.fly",
+    "build": "stator.firmware",
+    "emulate": "stator.emulate",
+    "score": "stator.score",
+    "bench": "stator.bench",
+}
 RAW = {"test": "stator.run_tests", "lint": "stator.lint"}
 
 

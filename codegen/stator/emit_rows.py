@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 Row = dict[str, Any]
 WORD_BITS = 64
+VECTOR_WORD_BITS = 32
 COLUMNS = 100
 
 
@@ -130,16 +131,19 @@ def ports(interface: Interface) -> Row:
 # --- tasks ---
 
 
-def pend(task: Task) -> str:
-    return f"{{{task.index // WORD_BITS}, {1 << task.index % WORD_BITS:#x}}}"
+def pend(plan: Plan, task: Task) -> str:
+    return pends(plan, [task])[0]
 
 
-def pends(tasks: list[Task]) -> list[str]:
-    """One entry for each word that the tasks' bits lie in."""
+def pends(plan: Plan, tasks: list[Task]) -> list[str]:
+    """One entry for each word that the tasks' bits lie in: of the vectors where vectors are tasks,
+    else of a list in order of urgency."""
     words: dict[int, int] = {}
     for task in tasks:
-        word = task.index // WORD_BITS
-        words[word] = words.get(word, 0) | 1 << task.index % WORD_BITS
+        bit, bits = task.index, WORD_BITS
+        if plan.board.executor == "cortex_m" and task.vector is not None:
+            bit, bits = task.vector, VECTOR_WORD_BITS
+        words[bit // bits] = words.get(bit // bits, 0) | 1 << bit % bits
     return [f"{{{word}, {mask:#x}}}" for word, mask in sorted(words.items())]
 
 
@@ -159,7 +163,7 @@ def task(plan: Plan, planned: Task) -> Row:
         "is_bound": is_bound,
         "device": node.device or "",
         "ports": f"{interface.class_name}Ports",
-        "pend": pend(planned),
+        "pend": pend(plan, planned),
         "level": planned.level,
         "level_begin": planned.level_begin,
         "lines": [t.name for t in node.triggers if t.kind == "irq"],
@@ -231,7 +235,7 @@ def topic(plan: Plan, planned: TopicPlan) -> Row:
                 {
                     "node": name,
                     "interval_us": trigger.min_interval_us,
-                    "pend": pend(plan.task(name)),
+                    "pend": pend(plan, plan.task(name)),
                 }
             )
     return {
@@ -242,7 +246,7 @@ def topic(plan: Plan, planned: TopicPlan) -> Row:
         "slots": planned.slots,
         "ceiling": planned.ceiling,
         "ring": 2 * planned.depth if planned.depth > 1 else 0,
-        "subscribers": pends(woken),
+        "subscribers": pends(plan, woken),
         "thinned": thinned,
     }
 

@@ -27,37 +27,42 @@ MOST_DURATION_S = 1e6
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    graph = HOME / "graph" / "quad.yaml"
-    parser.add_argument(
-        "graph", nargs="?", type=Path, default=graph, help="a graph file (default: graph/quad.yaml)"
-    )
-    parser.add_argument("--board", default="sitl", help="a board that simulates (default: sitl)")
-    parser.add_argument(
-        "--seed",
-        type=_seed,
-        default=1,
-        help="of the start, the sensors and their noise (default: 1)",
-    )
-    parser.add_argument(
-        "--duration", type=_duration, default=120.0, help="most seconds of flight (default: 120)"
-    )
+    add_flight_arguments(parser, board="sitl", what="a board that simulates")
     parser.add_argument(
         "--times",
         choices=["zero", "random"],
         default="zero",
         help="let activations take time, so that others preempt them (default: zero)",
     )
+
+
+def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str) -> None:
+    """What simulated and emulated flights have in common."""
+    graph = HOME / "graph" / "quad.yaml"
+    parser.add_argument(
+        "graph", nargs="?", type=Path, default=graph, help="a graph file (default: graph/quad.yaml)"
+    )
+    parser.add_argument("--board", default=board, help=f"{what} (default: {board})")
+    parser.add_argument(
+        "--seed",
+        type=seed_of,
+        default=1,
+        help="of the start, the sensors and their noise (default: 1)",
+    )
+    parser.add_argument(
+        "--duration", type=duration_of, default=120.0, help="most seconds of flight (default: 120)"
+    )
     parser.add_argument("-o", "--output", type=path, metavar="LOG", help="where to keep the log")
     parser.add_argument("--json", action="store_true", help="print what programs read")
 
 
-def _seed(text: str) -> int:
+def seed_of(text: str) -> int:
     if text.isascii() and text.isdigit() and int(text) <= MOST_SEED:
         return int(text)
     raise argparse.ArgumentTypeError(f"'{text}' is no whole number from 0 to {MOST_SEED}")
 
 
-def _duration(text: str) -> float:
+def duration_of(text: str) -> float:
     with contextlib.suppress(ValueError):
         if 0.0 < float(text) <= MOST_DURATION_S:
             return float(text)
@@ -67,37 +72,36 @@ def _duration(text: str) -> float:
 
 def main(arguments: argparse.Namespace) -> int:
     """0: a successful flight. 1: a failed one, or one that could not be judged. 2: no flight."""
-    log = arguments.output or _default_log(arguments.graph, arguments.seed)
+    log = arguments.output or default_log(arguments.graph, arguments.seed)
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     try:
-        program = build(
-            arguments.graph, arguments.board, PREEMPTION if arguments.times == "random" else None
-        )
+        variant = PREEMPTION if arguments.times == "random" else None
+        program = build(arguments.graph, arguments.board, variant, executor="virtual")
     except UserError as failed:
         print(failed, file=sys.stderr)
         return 2
-    with _progress(f"flying {arguments.graph.stem}, seed {arguments.seed} ..."):
+    with progress(f"flying {arguments.graph.stem}, seed {arguments.seed} ..."):
         finished = _run(program, log, truth, arguments)
         if finished.returncode > 0:
             print(finished.stderr.rstrip(), file=sys.stderr)
             return 2
-        facts = _facts(finished, log, truth)
+        facts = facts_of(finished, log, truth)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     if arguments.json:
         print(json.dumps(facts, indent=2))
     else:
-        _report(facts)
+        report(facts)
     return 0 if facts["success"] else 1
 
 
-def _default_log(graph: Path, seed: int) -> Path:
+def default_log(graph: Path, seed: int, kind: str = "") -> Path:
     folder = HOME / "build" / "flights"
     folder.mkdir(parents=True, exist_ok=True)
-    return folder / f"{graph.stem}-seed{seed}.ulg"
+    return folder / f"{graph.stem}-seed{seed}{kind}.ulg"
 
 
 @contextlib.contextmanager
-def _progress(text: str) -> Iterator[None]:
+def progress(text: str) -> Iterator[None]:
     """Shows that something goes on, where somebody watches."""
     if not sys.stderr.isatty():
         yield
@@ -117,7 +121,9 @@ def _run(
     return subprocess.run(command, check=False, capture_output=True, text=True)
 
 
-def _facts(finished: subprocess.CompletedProcess[str], log: Path, truth: Path) -> dict[str, object]:
+def facts_of(
+    finished: subprocess.CompletedProcess[str], log: Path, truth: Path
+) -> dict[str, object]:
     """What `--json` prints. A fact that there is none of is None."""
     facts: dict[str, object] = {
         "success": False,
@@ -189,7 +195,7 @@ def _sha256(log: Path) -> str:
 # --- for people ---
 
 
-def _report(facts: dict[str, object]) -> None:
+def report(facts: dict[str, object]) -> None:
     from rich.console import Console
 
     console = Console(highlight=False, soft_wrap=True, markup=False)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from stator.nested import Key, Listing, OneOrMore, Short, Struct, Table
 from stator.period import Period
-from stator.shapes import NAME_PATTERN, Anything, Boolean, Choice, Integer, Name, Raw, Text
+from stator.shapes import NAME_PATTERN, Boolean, Choice, Integer, Name, Raw, Text
 
 MOST_LEVELS = 15
 DEPTHS = (1, 2, 4, 8, 16)
@@ -261,18 +261,40 @@ BOARD = Struct(
             Listing(Text("[a-z0-9_]{1,40}", "a vector")),
             "Vectors the board itself needs; no task gets them.",
         ),
+        "interrupts": Key(
+            Listing(Text("[a-z0-9_]{1,40}", "a vector")),
+            "Vectors whose handlers are the board's own code; no task gets them.",
+        ),
         "devices": Key(
             Table(DEVICE, "a device"), "The devices and what drives them.", required=True
         ),
+    }
+)
+MEMORY = Struct(
+    {
+        "at": Key(
+            Text("0x[0-9A-Fa-f]{1,8}", "an address", hint='write it as "0x20000000"'),
+            "Where it begins.",
+            required=True,
+        ),
+        "bytes": Key(Integer(1, 2**32 - 1), "How large it is.", required=True),
     }
 )
 CHIP = Struct(
     {
         "doc": Key(Text(), "The chip, and the manual behind this file."),
         "core": Key(Text(), "The core.", required=True),
-        "clock": Key(Text(what="a frequency"), "Core clock.", required=True),
+        "clock": Key(
+            Text(
+                "[1-9][0-9]{0,3} MHz",
+                "a frequency in MHz",
+                hint="write whole megahertz, such as 168 MHz",
+            ),
+            "Core clock.",
+            required=True,
+        ),
         "priority_bits": Key(Integer(2, 8), "Bits of an NVIC priority.", required=True),
-        "memory": Key(Table(Anything(), "a memory"), "Name: {at, bytes}."),
+        "memory": Key(Table(MEMORY, "a memory"), "Name: {at, bytes}; flash, ram and ccm."),
         "vectors": Key(
             Table(Integer(0, 239), "a vector", key_pattern=NAME_PATTERN),
             "Interrupt lines the chip really has.",

@@ -106,8 +106,16 @@ class Device:
 
 
 @dataclass(frozen=True)
+class Memory:
+    at: int
+    bytes: int
+
+
+@dataclass(frozen=True)
 class Chip:
     name: str
+    clock_hz: int
+    memory: dict[str, Memory]
     vectors: dict[str, int]
 
 
@@ -118,6 +126,7 @@ class Board:
     executor: str
     chip: Chip | None
     reserved_vectors: tuple[str, ...]
+    interrupts: tuple[str, ...]  # vectors whose handlers are the board's own code
     devices: dict[str, Device]
 
 

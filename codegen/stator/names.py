@@ -18,7 +18,7 @@ _RUNTIME = frozenset("std stator now fired params timestamp main step".split())
 # Namespaces and functions that generated code names without qualification beside nodes and topics,
 # its own header files, and CMake targets.
 _GENERATED = frozenset(
-    """tasks topics board boards modes math testing messages parameters executor log_table
+    """tasks topics lines board boards modes math testing messages parameters executor log_table
     interfaces generated all_slots served_now later nominal_time_us set_pending clear_pending
     has_unread lost_samples preempt take_latest release""".split()
 )
@@ -29,7 +29,7 @@ _IN_GENERATED = ("a node", "an app", "a topic", "a device", "a device class")
 _TYPES = frozenset(
     """Shared Topic TopicState Thinned ThinnedState Pin Loan Input Output Pend Section Executor
     Timer TimerState Line LineState Task TaskCounters Program RandomTimes Random LogTable LogTopic
-    Params Ports Fired Device""".split()
+    Params Ports Fired Device SharedTime Interrupt Fault Register""".split()
 )
 
 

@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from stator import language
-from stator.model import Board, Chip, Device, Interface
+from stator.model import Board, Chip, Device, Interface, Memory
 from stator.shapes import Leaf, Record, items, quoted
 
 if TYPE_CHECKING:
@@ -32,15 +32,17 @@ def read_board(library: Library, name: str, path: Path) -> Board | None:
         )
     found = None if chip is None else _chip(library, chip.value, chip.mark, path)
     reserved: list[Leaf] = record.value("reserved_vectors", [])
+    interrupts: list[Leaf] = record.value("interrupts", [])
     if found is not None:
-        for leaf in reserved:
+        for leaf in (*reserved, *interrupts):
             _check_vector(found, leaf, library.report)
     return Board(
         name=name,
         file=path,
         executor=record.value("executor"),
         chip=found,
-        reserved_vectors=tuple(leaf.value for leaf in reserved),
+        reserved_vectors=tuple(leaf.value for leaf in (*reserved, *interrupts)),
+        interrupts=tuple(leaf.value for leaf in interrupts),
         devices={
             key: device
             for key, value in items(record, "devices")
@@ -123,4 +125,12 @@ def _chip(library: Library, name: str, mark: Mark, board: Path) -> Chip | None:
     record = library.read(path, language.CHIP)
     if record is None:
         return None
-    return Chip(name, {key: leaf.value for key, leaf in items(record, "vectors")})
+    return Chip(
+        name=name,
+        clock_hz=int((record.value("clock") or "0").split()[0]) * 1_000_000,
+        memory={
+            key: Memory(int(memory.value("at") or "0", 16), memory.value("bytes") or 0)
+            for key, memory in items(record, "memory")
+        },
+        vectors={key: leaf.value for key, leaf in items(record, "vectors")},
+    )

@@ -24,10 +24,6 @@ uint64_t next_random() {
     return z ^ (z >> 31);
 }
 
-uint64_t next_release_us(const Timer& timer) {
-    return timer.offset_us + uint64_t{timer.period_us} * timer.state->fires.load();
-}
-
 uint64_t next_instant_us() {
     uint64_t next = board::next_event_us();
     for (unsigned i = 0; i < program.timer_count; ++i) {

@@ -25,11 +25,38 @@ inline uint64_t nominal_time_us(const TimerState& timer, uint32_t period_us, uin
     return offset_us + uint64_t{period_us} * (timer.served - 1);
 }
 
+inline uint64_t next_release_us(const Timer& timer) {
+    return timer.offset_us + uint64_t{timer.period_us} * timer.state->fires.load();
+}
+
+// A time that one level writes and lower ones read, in two words: read again if the upper one
+// changed in between.
+class SharedTime {
+  public:
+    uint64_t load() const {
+        uint32_t low = 0;
+        uint32_t high = high_.load();
+        for (uint32_t before = ~high; before != high; high = high_.load()) {
+            before = high;
+            low = low_.load();
+        }
+        return (uint64_t{high} << 32) | low;
+    }
+    void store(uint64_t time_us) {
+        high_.store(static_cast<uint32_t>(time_us >> 32));
+        low_.store(static_cast<uint32_t>(time_us));
+    }
+
+  private:
+    Shared<uint32_t> high_;
+    Shared<uint32_t> low_;
+};
+
 // A device's line as its task sees it. `clock_us` is the clock at the newest entry of its vector.
 struct LineState {
     Shared<uint32_t> fires;
     uint32_t served = 0;
-    uint64_t clock_us = 0;
+    SharedTime clock_us;
     uint32_t early = 0;    // came before `min_interarrival`
     uint32_t dropped = 0;  // of these, not served: the one before was early too
     bool was_early = false;
@@ -47,9 +74,9 @@ inline bool served_now(Shared<uint32_t>& fires, uint32_t& served) {
 // one before it was early too, as one late entry makes the next look early.
 inline bool accept_line(LineState& line, uint64_t clock_us, uint32_t min_interarrival_us) {
     const bool first = line.fires.load() == 0 && line.dropped == 0;
-    const bool early = !first && clock_us - line.clock_us < min_interarrival_us;
+    const bool early = !first && clock_us - line.clock_us.load() < min_interarrival_us;
     const bool drop = early && line.was_early;
-    line.clock_us = clock_us;
+    line.clock_us.store(clock_us);
     line.was_early = early;
     line.early += early ? 1U : 0U;
     line.dropped += drop ? 1U : 0U;

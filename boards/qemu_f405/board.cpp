@@ -1,0 +1,145 @@
+// Ties the emulated chip to the simulated world on the host: each millisecond, at hardware priority
+// 0, the world moves up to now, fills the devices that sampled meanwhile, and pends their vectors.
+#include "board.hpp"
+
+#include "lines.hpp"
+#include "link.hpp"
+#include "semihosting.hpp"
+#include "stator/cortex_m.hpp"
+#include "timers.hpp"
+
+namespace stator::board {
+
+ImuSim::Device imu0;
+MocapSim::Device mocap0;
+MotorSim::Device motors;
+StorageSim::Device log_storage;
+
+namespace {
+
+constexpr uint8_t kStepVector = 28;  // TIM2
+constexpr uint32_t kPriorityBits = 0xF0;
+
+constexpr Clock kClock;
+constexpr StepTimer kStepTimer;
+semihosting::File to_plant;
+semihosting::File from_plant;
+semihosting::File log_file;
+uint64_t missed_samples = 0;
+
+// The register write of the motor driver.
+void write_motors(const MotorSim::Control& control) {
+    const link::ToPlant message{.kind = link::ToPlant::Kind::kCommand,
+                                .time_us = clock_us(),
+                                .control = {control[0], control[1], control[2], control[3]}};
+    require(to_plant.write(&message, sizeof message), "the plant does not listen");
+}
+
+bool append(const uint8_t* bytes, size_t count) {
+    return log_file.write(bytes, count);
+}
+
+[[noreturn]] void finish() {
+    link::ToPlant message{.kind = link::ToPlant::Kind::kFinished,
+                          .time_us = clock_us(),
+                          .missed_samples = missed_samples};
+    for (unsigned i = 0; i < program.task_count; ++i) {
+        message.activations += program.tasks[i].counters->activations;
+        message.lost_samples += program.tasks[i].counters->lost_samples;
+    }
+    const bool told = to_plant.write(&message, sizeof message);
+    semihosting::exit(told && log_storage.errors == 0 ? 0 : 1);
+}
+
+// A device whose task may be reading it keeps its sample, and the new one is gone.
+bool can_take(const Pend& line) {
+    if (!is_busy(line)) return true;
+    ++missed_samples;
+    return false;
+}
+
+void hand_over(const link::FromPlant& from) {
+    if (from.imu_sampled != 0 && can_take(lines::imu0_data_ready)) {
+        imu0 = {
+            .timestamp_sample = from.imu_time_us, .gyro_B = from.gyro_B, .accel_B = from.accel_B};
+        set_pending(lines::imu0_data_ready);
+    }
+    if (from.mocap_received != 0 && can_take(lines::mocap0_received)) {
+        mocap0 = {.timestamp_sample = from.mocap_time_us,
+                  .position_N = from.mocap_position_N,
+                  .yaw = from.mocap_yaw};
+        set_pending(lines::mocap0_received);
+    }
+}
+
+}  // namespace
+
+uint32_t timer_us() {
+    return kClock.us();
+}
+
+void prepare() {
+    kClock.start();
+    nvic::priority(kStepVector) = 0xFF;
+    require(nvic::priority(kStepVector) == kPriorityBits,
+            "this emulator has not the chip's 4 priority bits: QEMU 10 is needed");
+    nvic::priority(kStepVector) = 0;
+    require(to_plant.open(link::kToPlant, semihosting::Mode::kWrite) &&
+                from_plant.open(link::kFromPlant, semihosting::Mode::kRead),
+            "there is no plant: ./stator emulate starts one");
+    require(log_file.open(link::kLog, semihosting::Mode::kWrite), "cannot open the log");
+    motors.write = write_motors;
+    log_storage.append = append;
+}
+
+void start() {
+    kStepTimer.start();
+    nvic::set_enable(kStepVector / 32U).write(1U << kStepVector % 32U);
+}
+
+// The lines are pended by software, so that there is nothing to acknowledge.
+bool take_imu0_data_ready();
+bool take_imu0_data_ready() {
+    return true;
+}
+bool take_mocap0_received();
+bool take_mocap0_received() {
+    return true;
+}
+
+void tim2_interrupt();
+void tim2_interrupt() {
+    kStepTimer.acknowledge();
+    const link::ToPlant step{.kind = link::ToPlant::Kind::kStep, .time_us = clock_us()};
+    link::FromPlant answer;
+    require(to_plant.write(&step, sizeof step) && from_plant.read(&answer, sizeof answer),
+            "the plant is gone");
+    if (answer.is_over != 0) finish();
+    hand_over(answer);
+}
+
+void halt(const char* what) {
+    semihosting::print("stator: ");
+    semihosting::print(what);
+    semihosting::print("\n");
+    semihosting::exit(1);
+}
+
+void halt(const Fault& fault) {
+    semihosting::print("stator: fault: exception ");
+    semihosting::print(fault.exception);
+    semihosting::print(" at ");
+    semihosting::print(fault.program_counter);
+    semihosting::print(", CFSR ");
+    semihosting::print(fault.status);
+    semihosting::print(", HFSR ");
+    semihosting::print(fault.hard_status);
+    semihosting::print(", MMFAR ");
+    semihosting::print(fault.memory_address);
+    semihosting::print(", BFAR ");
+    semihosting::print(fault.bus_address);
+    semihosting::print("\n");
+    semihosting::exit(1);
+}
+
+}  // namespace stator::board

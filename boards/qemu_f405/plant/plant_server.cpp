@@ -1,0 +1,156 @@
+// The plant of an emulated flight: moves the world of boards/sitl as far as the firmware's clock
+// says, answers with what the sensors saw, and prints facts of the run as JSON.
+//
+// Takes the options of a simulated flight; --log and --times mean nothing here. Works in the
+// current folder. Exit status: 0 the firmware ended the flight; 1 it went away, or a file could not
+// be written whole; 2 a wrong argument, or a file that cannot be opened.
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+
+#include "link.hpp"
+#include "options.hpp"
+#include "truth.hpp"
+#include "world.hpp"
+
+namespace {
+
+using namespace stator;
+
+struct Files {
+    std::FILE* from_firmware = nullptr;
+    std::FILE* to_firmware = nullptr;
+    std::FILE* truth = nullptr;
+};
+
+// In the order in which the firmware opens them, as each waits for the other side.
+[[nodiscard]] bool open(const char* path, const char* mode, std::FILE*& file) {
+    if (path == nullptr) return true;
+    file = std::fopen(path, mode);
+    if (file != nullptr) return true;
+    std::fprintf(stderr, "error: cannot open '%s': %s\n", path, std::strerror(errno));
+    return false;
+}
+
+class Server {
+  public:
+    Server(const board::Options& options, const Files& files)
+        : world_(options.seed), files_(files), duration_us_(options.duration_us) {}
+
+    // Serves until the firmware has finished. False if it went away before.
+    bool run() {
+        for (link::ToPlant message;
+             std::fread(&message, sizeof message, 1, files_.from_firmware);) {
+            switch (message.kind) {
+                case link::ToPlant::Kind::kStep:
+                    if (!step(message.time_us)) return false;
+                    break;
+                case link::ToPlant::Kind::kCommand:
+                    world_.command_motors(message.time_us, message.control);
+                    break;
+                case link::ToPlant::Kind::kFinished:
+                    finished_ = message;
+                    return true;
+            }
+        }
+        return false;
+    }
+
+    const board::World& world() const { return world_; }
+    const link::ToPlant& finished() const { return finished_; }
+    bool truth_is_whole() const { return truth_is_whole_; }
+
+  private:
+    bool step(uint64_t time_us) {
+        link::FromPlant answer{};
+        while (world_.next_event_us() <= time_us && world_.next_event_us() <= duration_us_) {
+            add(world_.move_to_next_event(), answer);
+            record_truth();
+        }
+        answer.is_over = world_.is_over() || world_.next_event_us() > duration_us_ ? 1 : 0;
+        return std::fwrite(&answer, sizeof answer, 1, files_.to_firmware) == 1 &&
+               std::fflush(files_.to_firmware) == 0;
+    }
+
+    // The newest sample of each sensor goes to the firmware.
+    void add(const board::World::Event& event, link::FromPlant& answer) {
+        if (event.imu_sampled) {
+            answer.imu_sampled = 1;
+            answer.imu_time_us = world_.plant().time_us();
+            to_array(event.imu.gyro_B, answer.gyro_B);
+            to_array(event.imu.accel_B, answer.accel_B);
+        }
+        if (event.mocap_received) {
+            answer.mocap_received = 1;
+            answer.mocap_time_us = event.mocap.time_us;
+            answer.mocap_yaw = event.mocap.yaw;
+            to_array(event.mocap.position_N, answer.mocap_position_N);
+        }
+    }
+
+    template <class Vector>
+    static void to_array(const Vector& v, std::array<float, 3>& to) {
+        to = {v.x(), v.y(), v.z()};
+    }
+
+    void record_truth() {
+        const board::Plant& plant = world_.plant();
+        if (files_.truth == nullptr || plant.time_us() % board::kTruthPeriod_us != 0) return;
+        truth_is_whole_ = board::write_truth(files_.truth, plant) && truth_is_whole_;
+    }
+
+    board::World world_;
+    Files files_;
+    uint64_t duration_us_;
+    link::ToPlant finished_{};
+    bool truth_is_whole_ = true;
+};
+
+double seconds(uint64_t time_us) {
+    return static_cast<double>(time_us) * 1e-6;
+}
+
+unsigned long long wide(uint64_t value) {
+    return value;
+}
+
+// One line of JSON, with the keys of a simulated flight.
+void print(const Server& server, double wall_s) {
+    const board::World& world = server.world();
+    std::printf("{\"ended\": \"%s\", \"simulated_s\": %.6f, \"wall_s\": %.6f",
+                world.is_over() ? "motors_stopped" : "time_limit", seconds(world.plant().time_us()),
+                wall_s);
+    std::printf(", \"activations\": %llu, \"lost_samples\": %llu, \"missed_samples\": %llu",
+                wide(server.finished().activations), wide(server.finished().lost_samples),
+                wide(server.finished().missed_samples));
+    if (const auto take_off_us = world.watch().take_off_us()) {
+        std::printf(", \"take_off_s\": %.6f", seconds(*take_off_us));
+    }
+    if (const auto touchdown = world.watch().touchdown()) {
+        std::printf(", \"touchdown_s\": %.6f, \"touchdown_m_s\": %.6f", seconds(touchdown->time_us),
+                    touchdown->speed);
+    }
+    std::puts("}");
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    board::Options options;
+    if (!board::parse(count, arguments, options)) return 2;
+    Files files;
+    if (!open(options.truth, "wb", files.truth) ||
+        !open(link::kToPlant, "rb", files.from_firmware) ||
+        !open(link::kFromPlant, "wb", files.to_firmware)) {
+        return 2;
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    Server server(options, files);
+    const bool finished = server.run();
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+    print(server, wall.count());
+    const bool is_whole =
+        files.truth == nullptr || (std::fclose(files.truth) == 0 && server.truth_is_whole());
+    return finished && is_whole ? 0 : 1;
+}

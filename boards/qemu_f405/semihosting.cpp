@@ -1,0 +1,69 @@
+// Semihosting calls.
+#include "semihosting.hpp"
+
+#include <array>
+#include <cstring>
+
+namespace stator::semihosting {
+
+namespace {
+
+// Numbers of the operations, section 7 of the specification.
+constexpr uint32_t kOpen = 0x01;
+constexpr uint32_t kWrite0 = 0x04;
+constexpr uint32_t kWrite = 0x05;
+constexpr uint32_t kRead = 0x06;
+constexpr uint32_t kExitExtended = 0x20;
+constexpr uint32_t kApplicationExit = 0x20026;
+
+int32_t call(uint32_t operation, const void* block) {
+    register uint32_t r0 asm("r0") = operation;
+    register const void* r1 asm("r1") = block;
+    asm volatile("bkpt 0xab" : "+r"(r0) : "r"(r1) : "memory");
+    return static_cast<int32_t>(r0);
+}
+
+uint32_t word(const void* pointer) {
+    return reinterpret_cast<uint32_t>(pointer);
+}
+
+// Both answer how many bytes are left undone.
+bool transfer(uint32_t operation, int32_t handle, const void* bytes, size_t count) {
+    const std::array<uint32_t, 3> block{static_cast<uint32_t>(handle), word(bytes), count};
+    return call(operation, block.data()) == 0;
+}
+
+}  // namespace
+
+bool File::open(const char* path, Mode mode) {
+    const std::array<uint32_t, 3> block{word(path), static_cast<uint32_t>(mode), std::strlen(path)};
+    handle_ = call(kOpen, block.data());
+    return handle_ != -1;
+}
+
+bool File::read(void* bytes, size_t count) const {
+    return transfer(kRead, handle_, bytes, count);
+}
+
+bool File::write(const void* bytes, size_t count) const {
+    return transfer(kWrite, handle_, bytes, count);
+}
+
+void print(const char* text) {
+    call(kWrite0, text);
+}
+
+void print(uint32_t value) {
+    std::array<char, 11> text{'0', 'x'};
+    for (unsigned digit = 0; digit < 8; ++digit) {
+        text[2 + digit] = "0123456789abcdef"[(value >> (28 - 4 * digit)) & 0xFU];
+    }
+    print(text.data());
+}
+
+void exit(uint32_t status) {
+    const std::array<uint32_t, 2> block{kApplicationExit, status};
+    while (true) call(kExitExtended, block.data());
+}
+
+}  // namespace stator::semihosting

@@ -1,0 +1,11 @@
+# Toolchain of the boards with a Cortex-M4F: Debian's gcc-arm-none-eabi.
+set(CMAKE_SYSTEM_NAME Generic)
+set(CMAKE_SYSTEM_PROCESSOR cortex-m4f)
+set(CMAKE_CXX_COMPILER arm-none-eabi-g++)
+set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
+# Eigen's package lies with the host's.
+list(APPEND CMAKE_PREFIX_PATH /usr/local /usr)
+set(CMAKE_CXX_FLAGS_INIT
+    "-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -ffunction-sections -fdata-sections")
+# No _sbrk anywhere: whatever needs a heap does not link.
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-nostartfiles --specs=nano.specs -Wl,--gc-sections -Wl,--fatal-warnings")

@@ -1,0 +1,171 @@
+"""What `./stator emulate` does: the firmware itself flies, in QEMU, in lockstep with the plant."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from stator.build import build_plant
+from stator.diagnostics import UserError
+from stator.firmware import build_image
+from stator.fly import add_flight_arguments, default_log, facts_of, progress, report
+from stator.library import HOME
+
+# boards/qemu_f405/link.hpp
+FIFOS = ("to_plant", "from_plant")
+LOG = "flight.ulg"
+
+# QEMU 7 models the same chip under another name only, without its priority bits and its memory.
+MACHINE = "olimex-stm32-h405"
+# 8 ns an instruction, whatever it is: no claim about the chip's timing. docs/emulation.md
+SHIFT = 3
+END_S = 10.0  # how long the one side may take to see that the other one has ended
+
+
+class NoEmulator(UserError):
+    """No QEMU here that emulates the chip well enough; the message says what to do."""
+
+
+@dataclass(frozen=True)
+class Emulator:
+    path: str
+    version: str
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_flight_arguments(parser, board="qemu_f405", what="a board that the emulator knows")
+    parser.add_argument(
+        "--sleep",
+        action="store_true",
+        help="sleep when idle, as on hardware; two flights may then differ (docs/emulation.md)",
+    )
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """0: a successful flight. 1: a failed one, or one that could not be judged. 2: no flight."""
+    log = arguments.output or default_log(arguments.graph, arguments.seed, ".emulated")
+    truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
+    try:
+        emulator = find_emulator()
+        image = build_image(arguments.graph, arguments.board, sleep=arguments.sleep)
+        plant = build_plant()
+    except UserError as failed:
+        print(failed, file=sys.stderr)
+        return 2
+    options = ["--truth", str(truth.resolve()), "--seed", str(arguments.seed)]
+    options += ["--duration", f"{arguments.duration:.6f}"]
+    with progress(f"emulating {arguments.graph.stem}, seed {arguments.seed} ..."):
+        finished = fly(emulator, image, [str(plant), *options], log)
+        if finished.returncode != 0:
+            print(finished.stderr.rstrip(), file=sys.stderr)
+            return 2
+        facts = facts_of(finished, log, truth)
+    facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
+    facts["emulator"] = emulator.version
+    facts["missed_samples"] = json.loads(finished.stdout)["missed_samples"]
+    if arguments.json:
+        print(json.dumps(facts, indent=2))
+    else:
+        report(facts)
+    return 0 if facts["success"] else 1
+
+
+def find_emulator() -> Emulator:
+    """The QEMU in PATH, or the one that STATOR_QEMU names, if it knows the machine. That its chip
+    has the right priority bits is what the firmware itself checks when it starts."""
+    path = os.environ.get("STATOR_QEMU") or shutil.which("qemu-system-arm")
+    if path is None:
+        raise NoEmulator("error: qemu-system-arm is not installed\n" + _hint())
+    try:
+        version = _output(path, "--version").splitlines()[0]
+        machines = _output(path, "-machine", "help")
+    except (OSError, subprocess.CalledProcessError, IndexError) as error:
+        raise NoEmulator(f"error: '{path}' does not run: {error}\n" + _hint()) from None
+    if not any(line.split()[:1] == [MACHINE] for line in machines.splitlines()):
+        raise NoEmulator(f"error: {version} has no machine {MACHINE}: it is too old\n" + _hint())
+    return Emulator(path, version)
+
+
+def _hint() -> str:
+    return (
+        "hint: QEMU 10 or newer is needed; on Debian 12: apt-get install -t bookworm-backports "
+        "qemu-system-arm\nhint: one that is elsewhere: STATOR_QEMU=/path/to/qemu-system-arm"
+    )
+
+
+def _output(*command: str) -> str:
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def qemu_command(emulator: Emulator, image: Path, shift: int = SHIFT) -> list[str]:
+    """`shift`: an instruction takes 2^shift nanoseconds."""
+    return [
+        *(
+            emulator.path,
+            "-M",
+            MACHINE,
+            "-kernel",
+            str(image),
+            "-icount",
+            f"shift={shift},align=off,sleep=off",
+        ),
+        *("-display", "none", "-monitor", "none", "-serial", "none"),
+        *("-semihosting-config", "enable=on,target=native"),
+    ]
+
+
+def fly(
+    emulator: Emulator, image: Path, plant: list[str], log: Path, shift: int = SHIFT
+) -> subprocess.CompletedProcess[str]:
+    """Runs both sides to their end. The result is the plant's, with the complaints of both; of a
+    flight that went well, what the firmware printed."""
+    (HOME / "build").mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="emulate-", dir=HOME / "build") as name:
+        folder = Path(name)
+        for fifo in FIFOS:
+            os.mkfifo(folder / fifo)
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        world = subprocess.Popen(plant, cwd=folder, **pipes)  # type: ignore[call-overload]
+        machine = subprocess.Popen(
+            qemu_command(emulator, image.resolve(), shift),
+            cwd=folder,
+            **pipes,  # type: ignore[call-overload]
+        )
+        try:
+            _wait(world, machine)
+            facts, complaint = world.communicate()
+            console, errors = machine.communicate()
+        finally:
+            for process in (world, machine):
+                process.kill()
+                process.wait()
+        if (folder / LOG).is_file():
+            log.parent.mkdir(parents=True, exist_ok=True)
+            shutil.move(folder / LOG, log)
+    status = 0 if world.returncode == 0 and machine.returncode == 0 else 2
+    text = f"{complaint}{console}{errors}error: the emulated flight ended early: plant "
+    text += f"{world.returncode}, emulator {machine.returncode}"
+    return subprocess.CompletedProcess(plant, status, facts, text if status else console + errors)
+
+
+def _wait(world: subprocess.Popen[str], machine: subprocess.Popen[str]) -> None:
+    """Until both have ended. One that ends before the other has opened its FIFOs would leave it
+    waiting for ever."""
+    first, second = world, machine
+    while True:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            first.wait(0.05)
+            break
+        first, second = second, first
+    try:
+        second.wait(END_S)
+    except subprocess.TimeoutExpired:
+        second.kill()

@@ -1,0 +1,77 @@
+"""What no image may hold: its symbols and instructions say it, whatever the source says."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TOOLS = "arm-none-eabi-"
+
+# Symbols, and why none of them may be there.
+DOUBLE = (
+    r"__aeabi_(d\w+|[filu]+2d|f2d|h2d)|__\w+df[23]|__\w+didf|__\w+sidf"
+    r"|__truncdfsf2|__extendsfdf2"
+)
+FORBIDDEN = {
+    r"_?(malloc|calloc|realloc|free|sbrk)(_r)?|_Zn[wa]\w*|_Zd[la]\w*": "the heap",
+    r"__cxa_(throw|begin_catch|rethrow)|_Unwind_\w+|__gxx_personality_v0": "exceptions",
+    r"_ZT[IS]\w+": "run-time type information",
+    r"_ZGV\w+|__cxa_guard_\w+": "a guard variable",
+    DOUBLE: "double precision, which this chip has no instructions for",
+}
+# From newlib's libm; our own are in stator::math, so that a plain C name is none of ours.
+NAMES = """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2
+    expm1 fabs fdim floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10
+    log1p log2 logb lrint lround modf nearbyint nextafter pow remainder remquo rint round scalbln
+    scalbn sin sinh sincos sqrt tan tanh tgamma trunc"""
+LIBM = frozenset(f"{name}{suffix}" for suffix in ("", "f", "l") for name in NAMES.split())
+# PRIMASK and FAULTMASK keep out even what touches no topic. A write of them is CPS or MSR.
+MASKS = re.compile(r"\t(cps(id|ie)\b|msr\s+(primask|faultmask)\b)", re.IGNORECASE)
+BASEPRI = re.compile(r"\tmsr\s+basepri(_max)?\b", re.IGNORECASE)
+FUNCTION = re.compile(r"^[0-9a-f]+ <(.+)>:$")
+# The topic operations that several publishing levels need; `wake` for their thinned subscribers.
+SECTIONS = ("stator::loan_in_history(", "stator::commit_to_history(", "stator::wake(")
+
+
+def faults_of(image: Path) -> list[str]:
+    """One line for each rule that the image breaks; empty for a good one."""
+    return [*_symbol_faults(image), *_instruction_faults(image)]
+
+
+def _symbol_faults(image: Path) -> list[str]:
+    names = [line.split()[-1] for line in _run("nm", str(image)).splitlines() if line.split()]
+    faults = [
+        f"the image has {name}: {why}"
+        for name in names
+        for pattern, why in FORBIDDEN.items()
+        if re.fullmatch(pattern, name)
+    ]
+    return faults + [
+        f"the image has {name}: libm, which gives other bits on other machines"
+        for name in names
+        if name in LIBM
+    ]
+
+
+def _instruction_faults(image: Path) -> list[str]:
+    faults = []
+    function = ""
+    for line in _run("objdump", "-d", "-C", "--no-show-raw-insn", str(image)).splitlines():
+        start = FUNCTION.match(line)
+        if start:
+            function = start.group(1)
+        elif MASKS.search(line):
+            faults.append(f"{function} masks all interrupts: {' '.join(line.split()[1:])}")
+        elif BASEPRI.search(line) and not function.startswith(SECTIONS):
+            faults.append(f"{function} writes BASEPRI, which only topic operations may")
+    return faults
+
+
+def _run(tool: str, *arguments: str) -> str:
+    return subprocess.run(
+        [TOOLS + tool, *arguments], check=True, capture_output=True, text=True
+    ).stdout

@@ -1,0 +1,27 @@
+// Storage of a simulated board: hands log blocks to the board as they come.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "storage_ports.hpp"
+
+namespace stator {
+
+class StorageSim {
+  public:
+    // The board puts its function here, which says whether it stored all; without one, blocks are
+    // dropped, as with no card in the slot.
+    struct Device {
+        bool (*append)(const uint8_t* bytes, size_t count) = nullptr;
+        uint32_t errors = 0;  // blocks that were not stored
+    };
+
+    explicit StorageSim(Device& device) : device_(device) {}
+    void step(StoragePorts& ports);
+
+  private:
+    Device& device_;
+};
+
+}  // namespace stator

@@ -1,0 +1,92 @@
+"""What no image may hold: each fault, planted in a small image, is found; the quad has none."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+from tests.emulation.firmware_tools import needs_toolchain
+
+from stator.build import build
+from stator.firmware import sizes_of, total_of
+from stator.image_checks import faults_of
+from stator.library import HOME
+
+FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-O1", "-std=c++20"]
+STRICT = ["-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics", "-fno-math-errno"]
+
+
+def image(folder: Path, code: str, *flags: str) -> Path:
+    needs_toolchain()
+    source, result = folder / "planted.cpp", folder / "planted.elf"
+    source.write_text(code)
+    command = ["arm-none-eabi-g++", *FLAGS, *(flags or STRICT), "--specs=nosys.specs"]
+    command += [
+        "-nostartfiles",
+        "-Wl,-emain",
+        "-Wl,--defsym=__dso_handle=0",
+        "-Wl,--gc-sections",
+        "-ffunction-sections",
+    ]
+    subprocess.run([*command, source, "-o", result], check=True, capture_output=True)
+    return result
+
+
+CLEAN = "volatile float a = 2.0f; int main() { a = a * a; return 0; }"
+
+
+def test_an_image_without_faults_has_none(tmp_path: Path) -> None:
+    assert faults_of(image(tmp_path, CLEAN)) == []
+
+
+@pytest.mark.parametrize(
+    ("code", "flags", "expected"),
+    [
+        (
+            "#include <cstdlib>\nvoid* volatile p; int main() { p = malloc(4); }",
+            [],
+            "malloc: the heap",
+        ),
+        ("int* volatile p; int main() { p = new int; }", [], "_Znwj: the heap"),
+        ("int main(int n, char**) { if (n) throw n; }", ["-fexceptions"], "exceptions"),
+        (
+            "struct A { virtual int f() { return 1; } }; struct B : A { int f() override; };\n"
+            "int B::f() { return 2; } A* volatile a; B b;\n"
+            "int main() { a = &b; return dynamic_cast<B*>(a)->f(); }",
+            ["-fno-exceptions", "-frtti"],
+            "run-time type information",
+        ),
+        (
+            "int f(); struct A { A(); int x; }; volatile int v; A::A() : x(v) {}\n"
+            "int main() { static A a; return a.x; }",
+            [],
+            "a guard variable",
+        ),
+        ("#include <cmath>\nvolatile float a; int main() { a = sinf(a); }", [], "sinf: libm"),
+        ("volatile double a; int main() { a = a * a; }", [], "__aeabi_dmul: double precision"),
+        ("volatile float a; volatile double b; int main() { b = a; }", [], "__aeabi_f2d: double"),
+        ('int main() { asm volatile("cpsid i"); }', [], "main masks all interrupts: cpsid"),
+        ('int main() { asm volatile("msr primask, r0"); }', [], "main masks all interrupts: msr"),
+        ('int main() { asm volatile("msr basepri, r0"); }', [], "main writes BASEPRI"),
+    ],
+)
+def test_each_planted_fault_is_found(
+    tmp_path: Path, code: str, flags: list[str], expected: str
+) -> None:
+    faults = faults_of(image(tmp_path, code, *flags))
+    assert any(expected in fault for fault in faults), faults
+
+
+def test_the_quad_has_no_fault() -> None:
+    needs_toolchain()
+    quad = build(HOME / "graph" / "quad.yaml", "qemu_f405", executor="cortex_m")
+    assert faults_of(quad) == []
+    flash, ram = total_of(quad)
+    assert flash < 160 * 1024
+    assert ram < 64 * 1024
+    parts = sizes_of(quad.with_name(quad.name + ".map"))
+    runtime = parts["runtime/cortex_m"]
+    assert runtime[0] < 6 * 1024
+    # Within what the linker saves by merging equal texts.
+    assert 0 <= sum(part[0] for part in parts.values()) - flash < 1024

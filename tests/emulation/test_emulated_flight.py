@@ -1,0 +1,115 @@
+"""The quad's firmware flies in QEMU: within the limits, the same bits each time, losing nothing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from tests.emulation.firmware_tools import needs_emulator
+
+from stator import cli
+from stator.build import build, build_plant
+from stator.emulate import FIFOS, Emulator, fly
+from stator.library import HOME
+
+QUAD = HOME / "graph" / "quad.yaml"
+
+
+@pytest.fixture
+def emulator() -> Emulator:
+    return needs_emulator()
+
+
+def emulate(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, object]]:
+    status = cli.main(["emulate", str(QUAD), "--json", *arguments])
+    facts: dict[str, object] = json.loads(capsys.readouterr().out)
+    return status, facts
+
+
+@pytest.mark.parametrize(
+    "seed", [1, 2, *(pytest.param(n, marks=pytest.mark.long) for n in range(3, 11))]
+)
+def test_the_firmware_keeps_the_limits(
+    emulator: Emulator, capsys: pytest.CaptureFixture[str], tmp_path: Path, seed: int
+) -> None:
+    status, facts = emulate(capsys, "--seed", str(seed), "-o", str(tmp_path / "flight.ulg"))
+    assert (status, facts["success"]) == (0, True), facts
+    assert (facts["lost_samples"], facts["missed_samples"]) == (0, 0)
+    assert facts["emulator"] == emulator.version
+
+
+@pytest.mark.parametrize("runs", [2, pytest.param(10, marks=pytest.mark.long)])
+def test_a_flight_repeats_bit_for_bit(
+    emulator: Emulator,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    runs: int,
+) -> None:
+    log = tmp_path / "flight.ulg"
+    duration = "10" if runs == 2 else "120"
+    hashes = set()
+    for _ in range(runs):
+        _, facts = emulate(capsys, "--duration", duration, "-o", str(log))
+        assert facts["activations"]
+        hashes.add(facts["log_sha256"])
+    assert len(hashes) == 1
+
+
+def test_another_seed_flies_another_log(
+    emulator: Emulator,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+) -> None:
+    log = str(tmp_path / "flight.ulg")
+    _, one = emulate(capsys, "--duration", "2", "-o", log)
+    _, two = emulate(capsys, "--duration", "2", "-o", log, "--seed", "2")
+    assert one["log_sha256"] != two["log_sha256"]
+
+
+def test_sleeping_firmware_flies_as_well(
+    emulator: Emulator,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+) -> None:
+    status, facts = emulate(capsys, "--sleep", "-o", str(tmp_path / "flight.ulg"))
+    assert (status, facts["success"]) == (0, True), facts
+    assert facts["lost_samples"] == 0
+
+
+def test_a_plant_that_ends_ends_the_flight(emulator: Emulator, tmp_path: Path) -> None:
+    image = build(QUAD, "qemu_f405", executor="cortex_m")
+    plant = ["sh", "-c", f"head -c 1000 {FIFOS[0]} >heard & sleep 0.2; : >{FIFOS[1]}; wait"]
+    finished = fly(emulator, image, plant, tmp_path / "flight.ulg")
+    assert finished.returncode != 0
+    assert "stator: the plant is gone" in finished.stderr
+
+
+def test_a_plant_that_never_starts_ends_the_flight(emulator: Emulator, tmp_path: Path) -> None:
+    image = build(QUAD, "qemu_f405", executor="cortex_m")
+    finished = fly(emulator, image, [str(build_plant()), "--seed", "x"], tmp_path / "flight.ulg")
+    assert finished.returncode != 0
+    assert "--seed 'x'" in finished.stderr
+
+
+def test_an_old_emulator_is_refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    old = tmp_path / "qemu"
+    old.write_text("#!/bin/sh\necho QEMU emulator version 7.2.22; echo netduinoplus2 Netduino\n")
+    old.chmod(0o755)
+    monkeypatch.setenv("STATOR_QEMU", str(old))
+    assert cli.main(["emulate", str(QUAD)]) == 2
+    error = capsys.readouterr().err
+    assert "error: QEMU emulator version 7.2.22 has no machine olimex-stm32-h405" in error
+    assert "hint: QEMU 10 or newer is needed" in error
+
+
+def test_a_board_that_is_no_firmware_is_refused(
+    emulator: Emulator,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert cli.main(["emulate", str(QUAD), "--board", "sitl"]) == 2
+    error = capsys.readouterr().err
+    assert "error: board 'sitl' runs on the executor virtual, not cortex_m" in error
+    assert "hint: ./stator fly flies it" in error
