@@ -94,8 +94,17 @@ def backports_source(suite: str) -> str:
                 lines = ["Types: deb", f"URIs: {fields['uris']}", f"Suites: {suite}-backports"]
                 lines += ["Components: main", *([f"Signed-By: {signed}"] if signed else [])]
                 return "\n".join(lines) + "\n"
-    uri = "http://deb.debian.org/debian"
-    return f"Types: deb\nURIs: {uri}\nSuites: {suite}-backports\nComponents: main\n"
+    for file in (APT / "sources.list", *sorted((APT / "sources.list.d").glob("*.list"))):
+        for line in file.read_text(encoding="utf-8").splitlines() if file.is_file() else []:
+            words = [word for word in line.split() if not word.startswith("[")]
+            if words[:1] == ["deb"] and suite in words[2:3]:
+                return (
+                    f"Types: deb\nURIs: {words[1]}\nSuites: {suite}-backports\nComponents: main\n"
+                )
+    raise SetUpError(
+        f"no source of apt names {suite}, so its backports are not found either",
+        [f"add a source with the suite {suite}-backports below {APT}, then run this again"],
+    )
 
 
 def with_backports(
