@@ -9,7 +9,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from stator.cli import make_buildable_plan
-from stator.diagnostics import BuildFailed
+from stator.diagnostics import BuildFailed, shown_path
 from stator.library import HOME
 
 if TYPE_CHECKING:
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # for runs in which activations take time
-
-
 SLEEP = {"STATOR_SLEEP": "ON"}  # on bare metal: sleeps when idle, instead of spinning
 TOOLCHAIN = HOME / "codegen" / "cmake" / "cortex_m4f.cmake"
 INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate"}
@@ -45,6 +43,12 @@ def build(
         raise BuildFailed(
             f"error: board '{plan.board.name}' runs on the executor {plan.board.executor}, "
             f"not {executor}" + (f"\nhint: {instead} flies it" if instead else "")
+        )
+    if not (plan.board.file.parent / "board.hpp").is_file():
+        raise BuildFailed(
+            f"error: board '{plan.board.name}' has no code yet, only its description\n"
+            f"hint: build for another one, such as qemu_f405, or write its board.hpp in "
+            f"{shown_path(plan.board.file.parent)}"
         )
     names = [key if value == "ON" else value for key, value in variant.items()]
     words = [plan.graph.name, plan.board.name, *(re.sub(r"\W+", "_", name) for name in names)]
