@@ -23,8 +23,7 @@ uint64_t release_due(uint64_t now_us) {
     for (unsigned i = 0; i < program.timer_count; ++i) {
         const Timer& timer = program.timers[i];
         while (next_release_us(timer) <= now_us) {
-            timer.state->fires.store(timer.state->fires.load() + 1);
-            set_pending(timer.pend);
+            release(timer);
         }
         const uint64_t release_us = next_release_us(timer);
         if (release_us < next_us) next_us = release_us;

@@ -39,8 +39,7 @@ void pend_due() {
     for (unsigned i = 0; i < program.timer_count; ++i) {
         const Timer& timer = program.timers[i];
         while (next_release_us(timer) <= executor.now_us) {
-            timer.state->fires.store(timer.state->fires.load() + 1);
-            set_pending(timer.pend);
+            release(timer);
         }
     }
 }

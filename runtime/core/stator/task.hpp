@@ -10,8 +10,10 @@ namespace stator {
 // A periodic trigger. The timer counts and pends; the wrapper compares with what it has served, as
 // a pending bit alone cannot say which trigger fired.
 struct TimerState {
-    Shared<uint32_t> fires;
-    uint32_t served = 0;
+    Shared<uint32_t> fires;  // releases, modulo 2^32
+    uint32_t served = 0;     // those that the task has served, modulo 2^32
+    uint64_t released = 0;   // the whole counts: of the level that releases
+    uint64_t seen = 0;       // and of the task
 };
 struct Timer {
     TimerState* state;
@@ -22,11 +24,30 @@ struct Timer {
 
 // Nominal time of the newest release that was served.
 inline uint64_t nominal_time_us(const TimerState& timer, uint32_t period_us, uint32_t offset_us) {
-    return offset_us + uint64_t{period_us} * (timer.served - 1);
+    return offset_us + period_us * (timer.seen - 1);
 }
 
+// For the level that releases: when the next one is due, and making it.
 inline uint64_t next_release_us(const Timer& timer) {
-    return timer.offset_us + uint64_t{timer.period_us} * timer.state->fires.load();
+    return timer.offset_us + timer.period_us * timer.state->released;
+}
+inline void release(const Timer& timer) {
+    timer.state->released += 1;
+    timer.state->fires.store(static_cast<uint32_t>(timer.state->released));
+    set_pending(timer.pend);
+}
+
+// For the task: leaves out what was released up to count `start`.
+inline void skip_to(TimerState& timer, uint32_t start) {
+    timer.seen += start - timer.served;
+    timer.served = start;
+}
+
+// True if there was a release since the last call.
+inline bool served_now(TimerState& timer) {
+    const uint32_t before = timer.served;
+    skip_to(timer, timer.fires.load());
+    return timer.served != before;
 }
 
 // A time that one level writes and lower ones read, in two words: read again if the upper one

@@ -21,7 +21,7 @@ uint32_t every_0_start = 0;
 void begin_anew(uint32_t epoch) {
     gate.seen = epoch;
     node = Counter();
-    every_0.served = every_0_start;
+    skip_to(every_0, every_0_start);
     params_number = 0;
 }
 
@@ -33,7 +33,7 @@ void run() {
     if (epoch != gate.seen) begin_anew(epoch);
     CounterPorts ports;
     bool is_due = false;
-    if (served_now(every_0.fires, every_0.served)) {
+    if (served_now(every_0)) {
         is_due = true;
         ports.fired.timers |= 1U;
         now_us = later(now_us, nominal_time_us(every_0, 10000, 0));

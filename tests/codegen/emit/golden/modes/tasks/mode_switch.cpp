@@ -18,7 +18,7 @@ uint64_t now_us = 0;
 void run() {
     ModeSwitchPorts ports;
     bool is_due = false;
-    if (served_now(every_0.fires, every_0.served)) {
+    if (served_now(every_0)) {
         is_due = true;
         ports.fired.timers |= 1U;
         now_us = later(now_us, nominal_time_us(every_0, 100000, 0));

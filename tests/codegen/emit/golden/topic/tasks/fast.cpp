@@ -19,7 +19,7 @@ uint32_t params_number = 0;
 void run() {
     CounterPorts ports;
     bool is_due = false;
-    if (served_now(every_0.fires, every_0.served)) {
+    if (served_now(every_0)) {
         is_due = true;
         ports.fired.timers |= 1U;
         now_us = later(now_us, nominal_time_us(every_0, 10000, 0));
