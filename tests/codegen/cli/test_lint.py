@@ -34,12 +34,12 @@ DATABASE = """[{"directory": "%s", "file": "runtime/a.cpp", "command": "c++ -c r
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     root = tmp_path / "a b"
-    for folder in ("runtime", "codegen/stator", "build/host"):
+    for folder in ("runtime", "codegen/stator", "build/lint"):
         (root / folder).mkdir(parents=True)
     for settings in (".clang-format", ".clang-tidy", "pyproject.toml"):
         (root / settings).symlink_to(ROOT / settings)
     (root / "codegen" / "bootstrap.py").touch()
-    (root / "build" / "host" / "compile_commands.json").write_text(DATABASE % root)
+    (root / "build" / "lint" / "compile_commands.json").write_text(DATABASE % root)
     return root
 
 
@@ -50,8 +50,8 @@ def test_a_fault_is_found(name: str, project: Path) -> None:
     assert said in CHECKS[name].run(project)
 
 
-def test_clang_tidy_without_a_build_says_what_to_do(tmp_path: Path) -> None:
-    assert "hint: ./stator test" in CHECKS["clang-tidy"].run(tmp_path)
+def test_clang_tidy_shows_what_stops_cmake(tmp_path: Path) -> None:
+    assert "CMake Error" in CHECKS["clang-tidy"].run(tmp_path)
 
 
 def test_expected_output_of_the_generator_is_not_formatted(tmp_path: Path) -> None:
