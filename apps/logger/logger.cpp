@@ -1,3 +1,4 @@
+// Definitions, samples and blocks; formats of messages as the ULog file format has them.
 #include "logger.hpp"
 
 #include <algorithm>

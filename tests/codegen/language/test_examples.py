@@ -110,6 +110,8 @@ def test_log() -> None:
     logged = {name: topics[name].log_us for name in ("every_one", "at_a_rate", "not_at_all")}
     assert logged == {"every_one": 0, "at_a_rate": 100_000, "not_at_all": None}
     assert topics["log_block"].log_us is None  # the logger's own
+    # The sink does not outrank the logger here, so a whole burst of blocks is kept.
+    assert topics["log_block"].depth == 8
     assert topics["first_params"].log_us is None  # logged as parameters
 
 

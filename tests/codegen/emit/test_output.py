@@ -1,0 +1,51 @@
+"""`gen` owns its output folder and nothing else."""
+
+from pathlib import Path
+
+import pytest
+
+from stator import cli
+from stator.emit import MANIFEST
+from stator.library import HOME
+
+GRAPH = str(HOME / "graph" / "examples" / "timer.yaml")
+
+
+def gen(folder: Path) -> int:
+    return cli.main(["gen", GRAPH, "-o", str(folder)])
+
+
+def test_a_folder_with_other_files_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "plan.txt").write_text("mine")
+    assert gen(tmp_path) == 1
+    assert "hint: name a folder that is new or empty" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["plan.txt"]
+    assert (tmp_path / "plan.txt").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["../victim.txt", "/victim.txt"])
+def test_nothing_outside_the_folder_is_removed(tmp_path: Path, name: str) -> None:
+    victim = tmp_path / "victim.txt"
+    victim.write_text("mine")
+    out = tmp_path / "out"
+    assert gen(out) == 0
+    with (out / MANIFEST).open("a") as manifest:
+        manifest.write(name.replace("/victim", f"{tmp_path}/victim") if name[0] == "/" else name)
+    assert gen(out) == 0
+    assert victim.read_text() == "mine"
+
+
+def test_a_file_in_the_way_gives_an_error_with_a_hint(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "out").write_text("mine")
+    assert gen(tmp_path / "out") == 1
+    assert "hint:" in capsys.readouterr().err
+
+
+def test_an_empty_name_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["gen", GRAPH, "-o", ""])
+    assert "the name is empty" in capsys.readouterr().err
