@@ -23,6 +23,7 @@ COMMANDS = {
     "explain": "say why a node runs when and where it does",
     "fly": "fly a graph in simulation and report",
     "build": "build a graph's firmware and show what it takes",
+    "flash": "put a graph's firmware onto a board",
     "emulate": "fly a graph's firmware in an emulator and report",
     "score": "score an estimator on recordings",
     "bench": "measure against peers, as ratios within one run",
@@ -35,6 +36,7 @@ COMMANDS = {
 MODULES = {
     "fly": "stator.fly",
     "build": "stator.firmware",
+    "flash": "stator.flash",
     "emulate": "stator.emulate",
     "score": "stator.score",
     "bench": "stator.bench",

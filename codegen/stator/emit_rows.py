@@ -12,6 +12,8 @@ from stator.model import TYPES, Field, Interface, Message, Value
 from stator.names import upper_camel
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from stator.model import Node, Trigger
     from stator.plan import Plan, Task
     from stator.plan_topics import TopicPlan
@@ -374,6 +376,12 @@ def program(plan: Plan) -> Row:
     }
 
 
+def _chip_folder(plan: Plan) -> Path:
+    """Where the code lies that all boards with such a chip share."""
+    assert plan.board.chip is not None
+    return plan.board.file.parents[1] / plan.board.chip.name.split("/")[0]
+
+
 def build(plan: Plan, files: dict[str, str]) -> Row:
     folders = {
         node.interface.name: node.interface.file.parent
@@ -391,6 +399,7 @@ def build(plan: Plan, files: dict[str, str]) -> Row:
             {"name": name, "folder": str(folder)} for name, folder in sorted(folders.items())
         ],
         "board": str(plan.board.file.parent),
+        "chip": "" if plan.board.chip is None else str(_chip_folder(plan)),
         "executor": plan.board.executor,
         "inputs": sorted({str(path) for path in inputs}),
         "home": str(HOME),

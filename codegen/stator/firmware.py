@@ -8,11 +8,17 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stator.build import SLEEP, build
-from stator.cli import path
+from stator.cli import make_buildable_plan, path
 from stator.diagnostics import BuildFailed, UserError, shown_path
+from stator.graph_hash import graph_hash
 from stator.image_checks import faults_of
+from stator.px4_file import write_px4
+
+if TYPE_CHECKING:
+    from stator.plan import Plan
 
 TOOLS = "arm-none-eabi-"
 
@@ -30,11 +36,7 @@ def main(arguments: argparse.Namespace) -> int:
     except UserError as failed:
         print(failed, file=sys.stderr)
         return 2
-    files = {
-        "elf": image,
-        "bin": _convert(image, "binary", ".bin"),
-        "hex": _convert(image, "ihex", ".hex"),
-    }
+    files = image_files(make_buildable_plan(str(arguments.graph), arguments.board), image)
     sizes = sizes_of(image.with_name(image.name + ".map"))
     total = total_of(image)
     if arguments.json:
@@ -70,6 +72,19 @@ def total_of(image: Path) -> tuple[int, int]:
     ).stdout.splitlines()
     size = {line.split()[0]: int(line.split()[1]) for line in lines if line.startswith(".")}
     return size[".text"] + size[".data"], size[".data"] + size[".bss"]
+
+
+def image_files(plan: Plan, image: Path) -> dict[str, Path]:
+    """The image in the forms that tools want; for a ground station, if the board has an id."""
+    files = {
+        "elf": image,
+        "bin": _convert(image, "binary", ".bin"),
+        "hex": _convert(image, "ihex", ".hex"),
+    }
+    if plan.board.upload is not None:
+        files["px4"] = image.with_name(f"{plan.graph.name}.px4")
+        write_px4(plan, files["bin"].read_bytes(), files["px4"], graph_hash(plan))
+    return files
 
 
 def _convert(image: Path, kind: str, suffix: str) -> Path:

@@ -35,11 +35,26 @@ BASEPRI = re.compile(r"\tmsr\s+basepri(_max)?\b", re.IGNORECASE)
 FUNCTION = re.compile(r"^[0-9a-f]+ <(.+)>:$")
 # The topic operations that several publishing levels need; `wake` for their thinned subscribers.
 SECTIONS = ("stator::loan_in_history(", "stator::commit_to_history(", "stator::wake(")
+# boards/stm32f4/dma.hpp, and the generated linker script.
+DMA_BUFFER = "stator::stm32f4::DmaBuffer<"
+STACK = ("stator_stack_begin", "stator_stack_end")
 
 
 def faults_of(image: Path) -> list[str]:
     """One line for each rule that the image breaks; empty for a good one."""
-    return [*_symbol_faults(image), *_instruction_faults(image)]
+    return [*_symbol_faults(image), *_instruction_faults(image), *_dma_faults(image)]
+
+
+def _dma_faults(image: Path) -> list[str]:
+    """DMA does not reach the core-coupled memory, which the stack has to itself."""
+    symbols = [line.split(maxsplit=2) for line in _run("nm", "-C", str(image)).splitlines()]
+    at = {parts[2]: int(parts[0], 16) for parts in symbols if len(parts) == 3}
+    stack = range(at.get(STACK[0], 0), at.get(STACK[1], 0))
+    return [
+        f"the image has {name} where DMA does not reach"
+        for name, address in at.items()
+        if name.startswith(DMA_BUFFER) and address in stack
+    ]
 
 
 def _symbol_faults(image: Path) -> list[str]:

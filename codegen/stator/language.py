@@ -247,6 +247,26 @@ DEVICE = Struct(
         ),
     }
 )
+MEMORY = Struct(
+    {
+        "at": Key(
+            Text("0x[0-9A-Fa-f]{1,8}", "an address", hint='write it as "0x20000000"'),
+            "Where it begins.",
+            required=True,
+        ),
+        "bytes": Key(Integer(1, 2**32 - 1), "How large it is.", required=True),
+    }
+)
+UPLOAD = Struct(
+    {
+        "board_id": Key(
+            Integer(1, 65535), "What its bootloader and ground stations know it as.", required=True
+        ),
+        "pyocd_target": Key(
+            Text("[a-z0-9]{1,40}", "a target of pyOCD"), "What pyOCD calls its chip."
+        ),
+    }
+)
 BOARD = Struct(
     {
         "doc": Key(Text(), "What the board is."),
@@ -265,19 +285,14 @@ BOARD = Struct(
             Listing(Text("[a-z0-9_]{1,40}", "a vector")),
             "Vectors whose handlers are the board's own code; no task gets them.",
         ),
+        "memory": Key(
+            Table(MEMORY, "a memory"),
+            "Memories that differ from the chip's, such as a flash that begins with a bootloader.",
+        ),
+        "upload": Key(UPLOAD, "How firmware gets onto it, for `build` and `flash`."),
         "devices": Key(
             Table(DEVICE, "a device"), "The devices and what drives them.", required=True
         ),
-    }
-)
-MEMORY = Struct(
-    {
-        "at": Key(
-            Text("0x[0-9A-Fa-f]{1,8}", "an address", hint='write it as "0x20000000"'),
-            "Where it begins.",
-            required=True,
-        ),
-        "bytes": Key(Integer(1, 2**32 - 1), "How large it is.", required=True),
     }
 )
 CHIP = Struct(

@@ -120,6 +120,12 @@ class Chip:
 
 
 @dataclass(frozen=True)
+class Upload:
+    board_id: int  # of its bootloader, and of ground stations
+    pyocd_target: str | None
+
+
+@dataclass(frozen=True)
 class Board:
     name: str
     file: Path
@@ -128,6 +134,7 @@ class Board:
     reserved_vectors: tuple[str, ...]
     interrupts: tuple[str, ...]  # vectors whose handlers are the board's own code
     devices: dict[str, Device]
+    upload: Upload | None
 
 
 @dataclass(frozen=True)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stator import language
-from stator.model import Board, Chip, Device, Interface, Memory
+from stator.model import Board, Chip, Device, Interface, Memory, Upload
 from stator.shapes import Leaf, Record, items, quoted
 
 if TYPE_CHECKING:
@@ -31,6 +32,9 @@ def read_board(library: Library, name: str, path: Path) -> Board | None:
             "add `chip:`, for example stm32f4/stm32f427",
         )
     found = None if chip is None else _chip(library, chip.value, chip.mark, path)
+    if found is not None:
+        found = replace(found, memory=found.memory | _memories(record))
+    upload = record.get("upload")
     reserved: list[Leaf] = record.value("reserved_vectors", [])
     interrupts: list[Leaf] = record.value("interrupts", [])
     if found is not None:
@@ -48,7 +52,17 @@ def read_board(library: Library, name: str, path: Path) -> Board | None:
             for key, value in items(record, "devices")
             if (device := _device(library, key, value, found)) is not None
         },
+        upload=None
+        if upload is None
+        else Upload(upload.value("board_id"), upload.value("pyocd_target")),
     )
+
+
+def _memories(record: Record) -> dict[str, Memory]:
+    return {
+        key: Memory(int(memory.value("at") or "0", 16), memory.value("bytes") or 0)
+        for key, memory in items(record, "memory")
+    }
 
 
 def _device(library: Library, name: str, record: Record, chip: Chip | None) -> Device | None:
@@ -128,9 +142,6 @@ def _chip(library: Library, name: str, mark: Mark, board: Path) -> Chip | None:
     return Chip(
         name=name,
         clock_hz=int((record.value("clock") or "0").split()[0]) * 1_000_000,
-        memory={
-            key: Memory(int(memory.value("at") or "0", 16), memory.value("bytes") or 0)
-            for key, memory in items(record, "memory")
-        },
+        memory=_memories(record),
         vectors={key: leaf.value for key, leaf in items(record, "vectors")},
     )

@@ -1,5 +1,7 @@
 """What `./stator build` says of a board that has no code."""
 
+from pathlib import Path
+
 import pytest
 
 from stator import cli
@@ -7,12 +9,20 @@ from stator.library import HOME
 
 
 def test_a_board_without_code_is_refused_before_anything_is_built(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.chdir(HOME)
-    assert cli.main(["build", "graph/quad.yaml", "--board", "fmu_v2"]) != 0
-    assert capsys.readouterr().err == (
-        "error: board 'fmu_v2' has no code yet, only its description\n"
-        "hint: build for another one, such as qemu_f405, or write its board.hpp in boards/fmu_v2\n"
+    board = tmp_path / "boards" / "described" / "board.yaml"
+    board.parent.mkdir(parents=True)
+    chip = tmp_path / "boards" / "stm32f4" / "stm32f427.yaml"
+    chip.parent.mkdir()
+    chip.write_text((HOME / "boards" / "stm32f4" / "stm32f427.yaml").read_text())
+    board.write_text("executor: cortex_m\nchip: stm32f4/stm32f427\ndevices: {}\n")
+    graph = tmp_path / "alone.yaml"
+    graph.write_text("board: described\nnodes: {logger: {trigger: {every: 5 ms}}}\n")
+    assert cli.main(["build", str(graph)]) != 0
+    errors = capsys.readouterr().err
+    assert errors.startswith(
+        "error: board 'described' has no code yet, only its description\n"
+        "hint: build for another one, such as qemu_f405, or write its board.hpp in "
     )
-    assert not (HOME / "build" / "quad-fmu_v2").exists()
+    assert not (HOME / "build" / "alone-described").exists()

@@ -66,6 +66,17 @@ def test_an_image_without_faults_has_none(tmp_path: Path) -> None:
         ("#include <cmath>\nvolatile float a; int main() { a = sinf(a); }", [], "sinf: libm"),
         ("volatile double a; int main() { a = a * a; }", [], "__aeabi_dmul: double precision"),
         ("volatile float a; volatile double b; int main() { b = a; }", [], "__aeabi_f2d: double"),
+        (
+            "namespace stator::stm32f4 { template <class, int n> struct DmaBuffer {\n"
+            "inline static unsigned char bytes[n]; }; } using B = stator::stm32f4::DmaBuffer<int, 8>;\n"
+            "volatile int v; int main() { B::bytes[v] = 1; }",
+            [
+                *STRICT,
+                "-Wl,--defsym=stator_stack_begin=0",
+                "-Wl,--defsym=stator_stack_end=0xf0000000",
+            ],
+            "bytes where DMA does not reach",
+        ),
         ('int main() { asm volatile("cpsid i"); }', [], "main masks all interrupts: cpsid"),
         ('int main() { asm volatile("msr primask, r0"); }', [], "main masks all interrupts: msr"),
         ('int main() { asm volatile("msr basepri, r0"); }', [], "main writes BASEPRI"),

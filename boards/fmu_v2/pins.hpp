@@ -1,0 +1,31 @@
+// The pins of the Pixhawk FMU, version 2 (its public schematic, FMUv2 REV D).
+#pragma once
+
+#include <array>
+
+#include "stm32f4/gpio.hpp"
+
+namespace stator::board::pins {
+
+using stm32f4::Pin;
+
+inline constexpr Pin kAmberLed('E', 12);            // open to the LED: low lights it
+inline constexpr Pin kSensorSupply('E', 3);         // high: 3.3 V for the sensors
+inline constexpr Pin kPeripheralSupplyOff('A', 8);  // low: 5 V for what is plugged in
+
+// Every chip on the sensors' bus, SPI1, and the FRAM on SPI2: selected by a low level.
+inline constexpr std::array kSelects{
+    Pin('C', 2),   // MPU6000
+    Pin('C', 13),  // L3GD20
+    Pin('C', 15),  // LSM303D
+    Pin('D', 7),   // MS5611
+    Pin('D', 10),  // FRAM
+};
+
+// Outputs 1 to 6 of the FMU itself; the eight main ones belong to the safety processor, which has
+// its own failsafe.
+inline constexpr std::array kMotorOutputs{
+    Pin('E', 14), Pin('E', 13), Pin('E', 11), Pin('E', 9), Pin('D', 13), Pin('D', 14),
+};
+
+}  // namespace stator::board::pins
