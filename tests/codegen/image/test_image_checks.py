@@ -68,7 +68,8 @@ def test_an_image_without_faults_has_none(tmp_path: Path) -> None:
         ("volatile float a; volatile double b; int main() { b = a; }", [], "__aeabi_f2d: double"),
         (
             "namespace stator::stm32f4 { template <class, int n> struct DmaBuffer {\n"
-            "inline static unsigned char bytes[n]; }; } using B = stator::stm32f4::DmaBuffer<int, 8>;\n"
+            "inline static unsigned char bytes[n]; }; }\n"
+            "using B = stator::stm32f4::DmaBuffer<int, 8>;\n"
             "volatile int v; int main() { B::bytes[v] = 1; }",
             [
                 *STRICT,
