@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "fill.hpp"
 #include "truth.hpp"
 
 namespace stator::board {
@@ -12,6 +13,14 @@ Line imu0_data_ready;
 MocapSim::Device mocap0;
 Line mocap0_received;
 MotorSim::Device motors;
+MagSim::Device mag0;
+Line mag0_data_ready;
+BaroSim::Device baro0;
+GnssSim::Device gnss0;
+Line gnss0_received;
+RadioSim::Device radio0;
+Line radio0_received;
+BatterySim::Device battery0;
 StorageFile::Device log_storage;
 
 namespace {
@@ -26,18 +35,32 @@ void write_motors(const MotorSim::Control& control) {
 }
 
 void hand_over(const World::Event& event, std::uint64_t now_us) {
-    if (event.imu_sampled) {
+    if (event.imu) {
         imu0 = {.timestamp_sample = now_us,
-                .gyro_B = math::to_array(event.imu.gyro_B),
-                .accel_B = math::to_array(event.imu.accel_B)};
+                .gyro_B = math::to_array(event.imu->gyro_B),
+                .accel_B = math::to_array(event.imu->accel_B)};
         imu0_data_ready.raise();
     }
-    if (event.mocap_received) {
-        mocap0 = {.timestamp_sample = event.mocap.time_us,
-                  .position_N = math::to_array(event.mocap.position_N),
-                  .yaw = event.mocap.yaw};
+    if (event.mocap) {
+        mocap0 = {.timestamp_sample = event.mocap->time_us,
+                  .position_N = math::to_array(event.mocap->position_N),
+                  .yaw = event.mocap->yaw};
         mocap0_received.raise();
     }
+    if (event.mag_B) {
+        mag0 = {.timestamp_sample = now_us, .field_B_gauss = math::to_array(*event.mag_B)};
+        mag0_data_ready.raise();
+    }
+    if (event.baro) fill(baro0, *event.baro, now_us);
+    if (event.gnss) {
+        fill(gnss0, *event.gnss);
+        gnss0_received.raise();
+    }
+    if (event.radio) {
+        fill(radio0, *event.radio, now_us);
+        radio0_received.raise();
+    }
+    fill(battery0, the_world->battery());
 }
 
 void record_truth() {
@@ -48,8 +71,8 @@ void record_truth() {
 
 }  // namespace
 
-void prepare(std::uint64_t seed, std::FILE* truth) {
-    the_world.emplace(seed);
+void prepare(const Conditions& conditions, std::FILE* truth) {
+    the_world.emplace(conditions);
     truth_file = truth;
     motors.write = write_motors;
 }

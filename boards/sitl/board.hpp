@@ -4,9 +4,14 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "baro_sim.hpp"
+#include "battery_sim.hpp"
+#include "gnss_sim.hpp"
 #include "imu_sim.hpp"
+#include "mag_sim.hpp"
 #include "mocap_sim.hpp"
 #include "motor_sim.hpp"
+#include "radio_sim.hpp"
 #include "stator/virtual.hpp"
 #include "storage_file.hpp"
 #include "world.hpp"
@@ -18,11 +23,18 @@ extern Line imu0_data_ready;
 extern MocapSim::Device mocap0;
 extern Line mocap0_received;
 extern MotorSim::Device motors;
+extern MagSim::Device mag0;
+extern Line mag0_data_ready;
+extern BaroSim::Device baro0;
+extern GnssSim::Device gnss0;
+extern Line gnss0_received;
+extern RadioSim::Device radio0;
+extern Line radio0_received;
+extern BatterySim::Device battery0;
 extern StorageFile::Device log_storage;
 
-// Before the graph starts: makes the world of this seed. `truth` takes the true flight; may be
-// null.
-void prepare(std::uint64_t seed, std::FILE* truth);
+// Before the graph starts: makes the world. `truth` takes the true flight; may be null.
+void prepare(const Conditions& conditions, std::FILE* truth);
 
 const World& world();
 bool truth_is_whole();

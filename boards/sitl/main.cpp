@@ -47,7 +47,7 @@ Run run(const board::Options& options) {
     // The host's clock is for the report only; nothing that is logged may depend on it.
     const auto begin = std::chrono::steady_clock::now();
     start();
-    if (options.random_times) use_random_times({options.seed, kMostRandomTime_us});
+    if (options.random_times) use_random_times({options.conditions.seed, kMostRandomTime_us});
     run_until(options.duration_us);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
     Run result{.wall_s = wall.count()};
@@ -88,7 +88,7 @@ int main(int count, char** arguments) {
         return 2;
     }
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
-    board::prepare(options.seed, truth);
+    board::prepare(options.conditions, truth);
     print(run(options));
     const bool log_written =
         close(options.log, board::log_storage.file, board::log_storage.errors == 0);

@@ -1,8 +1,12 @@
 // The command line of a simulated flight.
 #include "options.hpp"
 
+#include <array>
+#include <cerrno>
 #include <charconv>
 #include <cstdio>
+#include <cstring>
+#include <string>
 #include <string_view>
 
 #include "stator/scalar.hpp"
@@ -42,20 +46,56 @@ bool read_times(const char* text, bool& random_times) {
     return true;
 }
 
-bool read_value(std::string_view option, const char* value, Options& options) {
-    if (option == "--log" || option == "--truth") {
-        (option == "--log" ? options.log : options.truth) = value;
-        return true;
+bool read_path(const char* option, const char* value, const char*& path) {
+    path = value;
+    return *value != '\0' || refuse(option, value, "a file");
+}
+
+bool read_pilot(const char* path, Pilot& pilot) {
+    std::FILE* const file = std::fopen(path, "rb");
+    if (file == nullptr) {
+        std::fprintf(stderr, "error: --pilot '%s': %s\n", path, std::strerror(errno));
+        return false;
     }
+    std::string script;
+    for (std::array<char, 4096> part;
+         const std::size_t size = std::fread(part.data(), 1, part.size(), file);) {
+        script.append(part.data(), size);
+    }
+    const bool is_read = std::ferror(file) == 0;
+    std::fclose(file);
+    const std::string wrong = is_read ? pilot.follow(script) : "cannot be read";
+    if (wrong.empty()) return true;
+    std::fprintf(stderr, "error: --pilot '%s': %s\n", path, wrong.c_str());
+    return false;
+}
+
+bool add_fault(const char* text, Faults& faults) {
+    if (const auto fault = read_fault(text)) {
+        if (faults.add(*fault)) return true;
+        return refuse("--fail", text, "no more than 16 times");
+    }
+    std::fprintf(stderr,
+                 "error: --fail '%s': wanted is WHAT@SECONDS or WHAT@SECONDS+SECONDS, and what can "
+                 "fail is %s\n",
+                 text, kFaultNames);
+    return false;
+}
+
+bool read_value(std::string_view option, const char* value, Options& options) {
+    if (option == "--log") return read_path("--log", value, options.log);
+    if (option == "--truth") return read_path("--truth", value, options.truth);
+    if (option == "--pilot") return read_pilot(value, options.conditions.pilot);
     if (option == "--seed") {
-        return read_number(value, options.seed) ||
+        return read_number(value, options.conditions.seed) ||
                refuse("--seed", value, "a whole number from 0 to 18446744073709551615");
     }
     if (option == "--duration") return read_duration(value, options.duration_us);
     if (option == "--times") return read_times(value, options.random_times);
+    if (option == "--fail") return add_fault(value, options.conditions.faults);
     std::fprintf(stderr,
                  "error: unknown argument '%s': known are --log FILE, --truth FILE, --seed N, "
-                 "--duration SECONDS, --times zero|random\n",
+                 "--duration SECONDS, --times zero|random, --fail WHAT@SECONDS, --pilot FILE\n",
                  option.data());
     return false;
 }

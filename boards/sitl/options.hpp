@@ -3,14 +3,16 @@
 
 #include <cstdint>
 
+#include "conditions.hpp"
+
 namespace stator::board {
 
 struct Options {
-    const char* log = nullptr;    // file for the flight log; none: no log
-    const char* truth = nullptr;  // file for the true flight; none: no truth
-    std::uint64_t seed = 1;
+    const char* log = nullptr;                // file for the flight log; none: no log
+    const char* truth = nullptr;              // file for the true flight; none: no truth
     std::uint64_t duration_us = 120'000'000;  // at most
     bool random_times = false;
+    Conditions conditions{};
 };
 
 // False after one line on the standard error output that says what is wrong.

@@ -40,32 +40,39 @@ double rest_depth(const QuadParameters& parameters) {
     return parameters.mass * parameters.gravity / (kFeet * parameters.ground.stiffness);
 }
 
-}  // namespace
+// Against the air, which a rotor's drag and inflow come from.
+struct AirMotion {
+    Vector3 velocity_B;
+    Vector3 rate_B;
+};
 
-Wrench rotor_wrench(const QuadParameters& parameters, const Motion& motion,
-                    const RotorSpeeds& speeds) {
-    const Vector3 velocity_B = motion.R_NB.transpose() * motion.velocity_N;
-    Wrench sum;
-    for (unsigned i = 0; i < kRotors; ++i) {
-        const Rotor& rotor = parameters.rotors[i];
-        const double thrust = parameters.thrust_per_speed2 * speeds[i] * speeds[i];
-        // The rotor's own velocity, which the vehicle's turning adds to.
-        const double vx = velocity_B.x() - motion.rate_B.z() * rotor.y;
-        const double vy = velocity_B.y() + motion.rate_B.z() * rotor.x;
-        const double drag = parameters.rotor_drag * speeds[i];
-        const Vector3 force_B(-drag * vx, -drag * vy, -thrust);
-        sum.force_B += force_B;
-        sum.torque_B += Vector3(rotor.x, rotor.y, 0.0).cross(force_B);
-        sum.torque_B.z() += rotor.turns_ccw * parameters.torque_per_thrust * thrust;
-    }
-    return sum;
+// k_T speed^2, less what the air that comes towards the rotor takes.
+double rotor_thrust(const QuadParameters& parameters, double speed, double climb) {
+    return parameters.thrust_per_speed2 * speed * (speed - climb / parameters.inflow_pitch);
 }
 
-Wrench body_drag(const QuadParameters& parameters, const Motion& motion) {
-    const Vector3 velocity_B = motion.R_NB.transpose() * motion.velocity_N;
+Wrench rotor_wrench(const QuadParameters& parameters, unsigned i, const AirMotion& motion,
+                    double speed, double efficiency) {
+    const Rotor& rotor = parameters.rotors[i];
+    const Vector3 arm_B(rotor.x, rotor.y, 0.0);
+    const Vector3 hub_B = motion.velocity_B + motion.rate_B.cross(arm_B);
+    const double thrust = efficiency * rotor_thrust(parameters, speed, -hub_B.z());
+    const Vector3 across_B(hub_B.x(), hub_B.y(), 0.0);
+    const Vector3 drag_B = -parameters.rotor_drag * speed * across_B;
+    const Vector3 force_B(drag_B.x(), drag_B.y(), -thrust);
+    Wrench wrench{force_B, arm_B.cross(force_B)};
+    // The blade that meets the wind lifts more than the one that flees it.
+    wrench.torque_B -= rotor.turns_ccw * parameters.rolling_moment * speed * across_B;
+    wrench.torque_B.z() += rotor.turns_ccw * parameters.torque_per_thrust * thrust;
+    return wrench;
+}
+
+Wrench body_drag(const QuadParameters& parameters, const Vector3& velocity_B) {
     const double pressure_per_speed = 0.5 * parameters.air_density * math::norm(velocity_B);
     return {-pressure_per_speed * parameters.drag_area_B.cwiseProduct(velocity_B), Vector3::Zero()};
 }
+
+}  // namespace
 
 Plant::Plant(const QuadParameters& parameters, const QuadState& start)
     : parameters_(parameters),
@@ -103,8 +110,13 @@ void Plant::step(double dt) {
 }
 
 Wrench Plant::applied_wrench(const Motion& motion, const RotorSpeeds& speeds) const {
-    return rotor_wrench(parameters_, motion, speeds) + body_drag(parameters_, motion) +
-           ground_.wrench(motion);
+    const AirMotion in_air{motion.R_NB.transpose() * (motion.velocity_N - influence_.wind_N),
+                           motion.rate_B};
+    Wrench sum = body_drag(parameters_, in_air.velocity_B) + ground_.wrench(motion);
+    for (unsigned i = 0; i < kRotors; ++i) {
+        sum = sum + rotor_wrench(parameters_, i, in_air, speeds[i], influence_.efficiency[i]);
+    }
+    return sum;
 }
 
 QuadState Plant::derivative(const QuadState& state) const {
@@ -119,11 +131,31 @@ QuadState Plant::derivative(const QuadState& state) const {
             .velocity_N = motion.R_NB * wrench.force_B / parameters_.mass + gravity_N,
             .q_NB = state.q_NB * turning,
             .rate_B = torque_B.cwiseQuotient(parameters_.inertia_B),
-            .rotor_speeds = lag(parameters_, commanded_speeds_, state.rotor_speeds)};
+            .rotor_speeds =
+                lag(parameters_, influence_.supply * commanded_speeds_, state.rotor_speeds)};
 }
 
 Vector3 Plant::specific_force_B() const {
     return applied_wrench(motion_of(state_), state_.rotor_speeds).force_B / parameters_.mass;
+}
+
+Vector3 Plant::velocity_in_air_B() const {
+    return state_.q_NB.toRotationMatrix().transpose() * (state_.velocity_N - influence_.wind_N);
+}
+
+double Plant::lift_over_weight() const {
+    return parameters_.thrust_per_speed2 * state_.rotor_speeds.squaredNorm() /
+           (parameters_.mass * parameters_.gravity);
+}
+
+double Plant::electric_power() const {
+    double sum = 0.0;  // of thrust to the power of 3/2
+    for (const double speed : state_.rotor_speeds) {
+        const double thrust = parameters_.thrust_per_speed2 * speed * speed;
+        sum += thrust * math::sqrt(thrust);
+    }
+    const double induced = sum / math::sqrt(2.0 * parameters_.air_density * parameters_.disc_area);
+    return induced / parameters_.power_efficiency + parameters_.avionics_power;
 }
 
 }  // namespace stator::board

@@ -10,7 +10,14 @@ using Vector3f = math::Vector3<float>;
 
 // Streams of random numbers of one seed: a sensor that is added or changed leaves the others'
 // alone.
-enum class Stream : std::uint64_t { kStart = 0, kImu = 1, kMocap = 2 };
+enum class Stream : std::uint64_t {
+    kStart = 0,
+    kImu = 1,
+    kMocap = 2,
+    kMagnetometer = 3,
+    kBarometer = 4,
+    kGnss = 5,
+};
 
 // An MPU-6000, after the calibration that every vehicle gets. PS is its Product Specification,
 // PS-MPU-6000A rev. 3.4.

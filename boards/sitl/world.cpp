@@ -18,39 +18,78 @@ QuadState draw_start(std::uint64_t seed) {
     return start;
 }
 
+constexpr std::array kMotorFaults{FaultKind::kMotor1, FaultKind::kMotor2, FaultKind::kMotor3,
+                                  FaultKind::kMotor4};
+
 }  // namespace
 
-World::World(std::uint64_t seed)
-    : plant_(QuadParameters{}, draw_start(seed)),
-      imu_(imu_parameters_, seed),
-      mocap_(mocap_parameters_, seed),
-      watch_(plant_),
-      next_arrival_us_(mocap_parameters_.delay_us) {}
-
-std::uint64_t World::next_event_us() const {
-    return std::min({next_imu_us_, next_picture_us_, next_arrival_us_});
-}
+World::World(const Conditions& conditions)
+    : conditions_(conditions),
+      plant_(QuadParameters{}, draw_start(conditions.seed)),
+      imu_(imu_parameters_, conditions.seed),
+      mocap_(mocap_parameters_, conditions.seed),
+      magnetometer_(magnetometer_parameters_, earth_, conditions.seed),
+      barometer_(barometer_parameters_, earth_, conditions.seed),
+      gnss_(gnss_parameters_, earth_, conditions.seed),
+      watch_(plant_) {}
 
 World::Event World::move_to_next_event() {
     const std::uint64_t now_us = next_event_us();
     plant_.run_until(now_us);
     Event event;
-    if (now_us == next_imu_us_) {
-        next_imu_us_ += imu_parameters_.period_us;
-        event.imu_sampled = true;
-        event.imu = imu_.measure(plant_);
-        watch_.see(plant_, motors_are_stopped_);
+    imu_timer_.take(now_us);
+    event.imu = imu_.measure(plant_);
+    watch_.see(plant_, motors_are_stopped_);
+    event.mocap = watch_with_cameras(now_us);
+    if (magnetometer_timer_.take(now_us)) {
+        event.mag_B = magnetometer_.measure(plant_.state(), battery_.current());
     }
-    if (now_us == next_arrival_us_) {
-        next_arrival_us_ += mocap_parameters_.period_us;
-        event.mocap_received = true;
-        event.mocap = on_its_way_;
-    }
-    if (now_us == next_picture_us_) {
-        next_picture_us_ += mocap_parameters_.period_us;
-        on_its_way_ = mocap_.measure(plant_);
-    }
+    if (barometer_timer_.take(now_us)) event.baro = barometer_.measure(plant_);
+    event.gnss = listen_to_satellites(now_us);
+    if (radio_timer_.take(now_us)) event.radio = listen_to_pilot(now_us);
+    influence_plant(now_us);
     return event;
+}
+
+// What acts on the vehicle from outside, until the next event.
+void World::influence_plant(std::uint64_t now_us) {
+    const Faults& faults = conditions_.faults;
+    battery_.draw(plant_.electric_power(), static_cast<double>(imu_parameters_.period_us) * 1e-6);
+    if (const auto left = faults.now(FaultKind::kBatteryLow, now_us)) battery_.limit(*left);
+    Influence influence;
+    influence.supply = battery_.voltage() / plant_.parameters().nominal_voltage;
+    for (unsigned i = 0; i < kRotors; ++i) {
+        influence.efficiency[i] = faults.now(kMotorFaults[i], now_us).value_or(1.0);
+    }
+    plant_.set_influence(influence);
+}
+
+std::optional<MocapSample> World::watch_with_cameras(std::uint64_t now_us) {
+    std::optional<MocapSample> arrived;
+    if (arrival_timer_.take(now_us)) arrived = picture_;
+    if (picture_timer_.take(now_us)) picture_ = mocap_.measure(plant_);
+    return arrived;
+}
+
+std::optional<GnssFix> World::listen_to_satellites(std::uint64_t now_us) {
+    std::optional<GnssFix> arrived;
+    if (sending_ && now_us >= sending_->arrival_us) {
+        if (sending_->arrives) arrived = sending_->fix;
+        sending_.reset();
+    }
+    if (fix_timer_.take(now_us)) {
+        const Faults& faults = conditions_.faults;
+        sending_ = gnss_.measure(
+            plant_, {.lost = faults.now(FaultKind::kGnssLoss, now_us).has_value(),
+                     .glitch = faults.now(FaultKind::kGnssGlitch, now_us).value_or(0.0)});
+    }
+    return arrived;
+}
+
+const World::RadioFrame& World::listen_to_pilot(std::uint64_t now_us) {
+    radio_.is_heard = !conditions_.faults.now(FaultKind::kRcLoss, now_us);
+    if (radio_.is_heard) radio_.hands = conditions_.pilot.frame(now_us);
+    return radio_;
 }
 
 void World::command_motors(std::uint64_t now_us, const std::array<float, kRotors>& control) {

@@ -1,46 +1,91 @@
-// The simulated world of one flight: the quadrotor, its sensors, and what happens when. Knows no
-// graph, no executor and no file.
+// The simulated world of one flight: the quadrotor, its sensors, its pilot, and what happens when.
+// Knows no graph, no executor and no file.
 #pragma once
 
+#include <optional>
+
+#include "battery.hpp"
+#include "conditions.hpp"
 #include "flight_watch.hpp"
+#include "navigation_sensors.hpp"
 #include "sensors.hpp"
 
 namespace stator::board {
 
+// Something that happens again and again.
+struct Timer {
+    std::uint64_t period_us;
+    std::uint64_t next_us = 0;
+
+    bool take(std::uint64_t now_us) {
+        if (now_us < next_us) return false;
+        next_us += period_us;
+        return true;
+    }
+};
+
 class World {
   public:
-    // `seed` decides where the vehicle starts, its sensors' biases and all noise.
-    explicit World(std::uint64_t seed);
+    explicit World(const Conditions& conditions);
 
-    // What `move_to_next_event` found. `mocap` holds the measurement that arrived.
+    // A pilot's frame, and whether it was heard anew.
+    struct RadioFrame {
+        PilotFrame hands{};
+        bool is_heard = false;
+    };
+    // What `move_to_next_event` found; a measurement that arrived late was taken earlier.
     struct Event {
-        bool imu_sampled = false;
-        bool mocap_received = false;
-        ImuSample imu{};
-        MocapSample mocap{};
+        std::optional<ImuSample> imu;
+        std::optional<MocapSample> mocap;
+        std::optional<Vector3f> mag_B;  // gauss
+        std::optional<BarometerSample> baro;
+        std::optional<GnssFix> gnss;
+        std::optional<RadioFrame> radio;
     };
 
-    std::uint64_t next_event_us() const;
+    std::uint64_t next_event_us() const { return imu_timer_.next_us; }
     Event move_to_next_event();
     // The command acts from `now_us` on, which is not before the newest event.
     void command_motors(std::uint64_t now_us, const std::array<float, kRotors>& control);
 
     const Plant& plant() const { return plant_; }
+    const Battery& battery() const { return battery_; }
     const FlightWatch& watch() const { return watch_; }
     bool is_over() const { return watch_.is_over(plant_.time_us()); }
 
   private:
+    void influence_plant(std::uint64_t now_us);
+    std::optional<MocapSample> watch_with_cameras(std::uint64_t now_us);
+    std::optional<GnssFix> listen_to_satellites(std::uint64_t now_us);
+    const RadioFrame& listen_to_pilot(std::uint64_t now_us);
+
+    Conditions conditions_;
     ImuParameters imu_parameters_{};
     MocapParameters mocap_parameters_{};
+    MagnetometerParameters magnetometer_parameters_{};
+    BarometerParameters barometer_parameters_{};
+    GnssParameters gnss_parameters_{};
+    Earth earth_{};
     Plant plant_;
+    Battery battery_{BatteryParameters{}};
     Imu imu_;
     Mocap mocap_;
+    Magnetometer magnetometer_;
+    Barometer barometer_;
+    GnssReceiver gnss_;
     FlightWatch watch_;
     bool motors_are_stopped_ = true;
-    std::uint64_t next_imu_us_ = 0;
-    std::uint64_t next_picture_us_ = 0;
-    std::uint64_t next_arrival_us_;
-    MocapSample on_its_way_{};
+    // All on the grid of the IMU's samples, so that nothing happens between two of them.
+    Timer imu_timer_{imu_parameters_.period_us};
+    Timer picture_timer_{mocap_parameters_.period_us};
+    Timer arrival_timer_{mocap_parameters_.period_us, mocap_parameters_.delay_us};
+    Timer magnetometer_timer_{magnetometer_parameters_.period_us};
+    Timer barometer_timer_{barometer_parameters_.period_us};
+    Timer fix_timer_{gnss_parameters_.period_us};
+    Timer radio_timer_{Pilot::kPeriod_us};
+    MocapSample picture_{};                         // on its way
+    std::optional<GnssReceiver::Sending> sending_;  // on its way
+    RadioFrame radio_;                              // the newest one heard
 };
 
 }  // namespace stator::board

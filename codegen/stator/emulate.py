@@ -16,7 +16,14 @@ from pathlib import Path
 from stator.build import build_plant
 from stator.diagnostics import UserError
 from stator.firmware import build_image
-from stator.fly import add_flight_arguments, default_log, facts_of, progress, report
+from stator.fly import (
+    add_flight_arguments,
+    default_log,
+    facts_of,
+    flight_options,
+    progress,
+    report,
+)
 from stator.library import HOME
 
 # boards/qemu_f405/link.hpp
@@ -60,8 +67,7 @@ def main(arguments: argparse.Namespace) -> int:
     except UserError as failed:
         print(failed, file=sys.stderr)
         return 2
-    options = ["--truth", str(truth.resolve()), "--seed", str(arguments.seed)]
-    options += ["--duration", f"{arguments.duration:.6f}"]
+    options = ["--truth", str(truth.resolve()), *flight_options(arguments)]
     with progress(f"emulating {arguments.graph.stem}, seed {arguments.seed} ..."):
         finished = fly(emulator, image, [str(plant), *options], log)
         if finished.returncode != 0:

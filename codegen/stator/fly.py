@@ -50,10 +50,33 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         help="of the start, the sensors and their noise (default: 1)",
     )
     parser.add_argument(
+        "--fail",
+        action="append",
+        default=[],
+        metavar="WHAT@S[+S]",
+        help="what fails, from when on, and for how long: gnss_loss, gnss_glitch[=METRES], "
+        "rc_loss, battery_low[=0..1], motor_1 to motor_4[=0..1]; may be given several times",
+    )
+    parser.add_argument(
+        "--pilot",
+        type=path,
+        metavar="FILE",
+        help="script of sticks and switches (docs/simulation.md)",
+    )
+    parser.add_argument(
         "--duration", type=duration_of, default=120.0, help="most seconds of flight (default: 120)"
     )
     parser.add_argument("-o", "--output", type=path, metavar="LOG", help="where to keep the log")
     parser.add_argument("--json", action="store_true", help="print what programs read")
+
+
+def flight_options(arguments: argparse.Namespace) -> list[str]:
+    """For the program that flies, what decides a flight besides the graph."""
+    options = ["--seed", str(arguments.seed), "--duration", f"{arguments.duration:.6f}"]
+    options += [word for fault in arguments.fail for word in ("--fail", fault)]
+    if arguments.pilot is not None:
+        options += ["--pilot", str(arguments.pilot.resolve())]
+    return options
 
 
 def seed_of(text: str) -> int:
@@ -116,8 +139,7 @@ def _run(
     program: Path, log: Path, truth: Path, arguments: argparse.Namespace
 ) -> subprocess.CompletedProcess[str]:
     command = [str(program), "--log", str(log), "--truth", str(truth)]
-    command += ["--seed", str(arguments.seed), "--duration", f"{arguments.duration:.6f}"]
-    command += ["--times", arguments.times]
+    command += [*flight_options(arguments), "--times", arguments.times]
     return subprocess.run(command, check=False, capture_output=True, text=True)
 
 

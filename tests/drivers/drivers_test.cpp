@@ -7,9 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "baro_sim.hpp"
+#include "battery_sim.hpp"
+#include "gnss_sim.hpp"
 #include "imu_sim.hpp"
+#include "mag_sim.hpp"
 #include "mocap_sim.hpp"
 #include "motor_sim.hpp"
+#include "radio_sim.hpp"
 #include "stator/testing.hpp"
 #include "storage_file.hpp"
 
@@ -68,6 +73,147 @@ TEST(MocapSim, publishes_nothing_without_its_line) {
     Probe odometry(ports.odometry, ports.now);
     driver.step(ports);
     EXPECT_EQ(odometry.count(), 0U);
+}
+
+TEST(MagSim, publishes_the_sample_of_its_device) {
+    MagSim::Device device{.timestamp_sample = 900, .field_B_gauss = {0.2f, -0.1f, 0.4f}};
+    MagSim driver(device);
+    MagPorts ports{.now = 1000};
+    Probe mag(ports.mag, ports.now);
+    driver.step(ports);
+    EXPECT_EQ(mag.count(), 0U);  // without its line
+    ports.fired.data_ready = true;
+    driver.step(ports);
+    EXPECT_EQ(mag.newest().timestamp_sample, 900U);
+    EXPECT_EQ(mag.newest().xyz, device.field_B_gauss);
+}
+
+TEST(BaroSim, publishes_each_sample_once) {
+    BaroSim::Device device{
+        .timestamp_sample = 900, .samples = 1, .pressure = 95600.0f, .temperature_degc = 27.0f};
+    BaroSim driver(device);
+    BaroPorts ports{.now = 1000};
+    Probe pressure(ports.pressure, ports.now);
+    driver.step(ports);
+    EXPECT_EQ(pressure.newest().timestamp_sample, 900U);
+    EXPECT_EQ(pressure.newest().pressure, 95600.0f);
+    EXPECT_EQ(pressure.newest().temperature, 27.0f);
+    driver.step(ports);
+    EXPECT_EQ(pressure.count(), 1U);
+    device.samples = 2;
+    driver.step(ports);
+    EXPECT_EQ(pressure.count(), 2U);
+}
+
+TEST(GnssSim, publishes_the_fix_with_its_own_time) {
+    GnssSim::Device device{.timestamp_sample = 200000,
+                           .latitude_deg = 47.4,
+                           .longitude_deg = 8.5,
+                           .altitude_msl_m = 488.0,
+                           .altitude_ellipsoid_m = 535.6,
+                           .velocity_N = {1.0f, 2.0f, 3.0f},
+                           .horizontal_error = 1.7f,
+                           .vertical_error = 2.4f,
+                           .speed_error = 0.3f,
+                           .satellites = 4};
+    GnssSim driver(device);
+    GnssPorts ports{.now = 310000};
+    Probe position(ports.position, ports.now);
+    driver.step(ports);
+    EXPECT_EQ(position.count(), 0U);  // without its line
+    ports.fired.received = true;
+    driver.step(ports);
+    EXPECT_EQ(position.newest().timestamp, 310000U);
+    EXPECT_EQ(position.newest().timestamp_sample, 200000U);
+    EXPECT_EQ(position.newest().latitude_deg, 47.4);
+    EXPECT_EQ(position.newest().longitude_deg, 8.5);
+    EXPECT_EQ(position.newest().altitude_msl_m, 488.0);
+    EXPECT_EQ(position.newest().altitude_ellipsoid_m, 535.6);
+    EXPECT_EQ(position.newest().vel_d_m_s, 3.0f);
+    EXPECT_EQ(position.newest().eph, 1.7f);
+    EXPECT_EQ(position.newest().epv, 2.4f);
+    EXPECT_EQ(position.newest().s_variance_m_s, 0.3f);
+    EXPECT_EQ(position.newest().fix_type, SensorGps::FixType::kFix3d);
+    EXPECT_TRUE(position.newest().vel_ned_valid);
+    EXPECT_EQ(position.newest().satellites_used, 4);
+}
+
+TEST(GnssSim, has_no_fix_with_three_satellites) {
+    GnssSim::Device device{.satellites = 3};
+    GnssSim driver(device);
+    GnssPorts ports{.now = 310000};
+    ports.fired.received = true;
+    Probe position(ports.position, ports.now);
+    driver.step(ports);
+    EXPECT_EQ(position.newest().fix_type, SensorGps::FixType::kNone);
+    EXPECT_FALSE(position.newest().vel_ned_valid);
+}
+
+BatteryStatus battery_status(float remaining, float voltage_v = 11.0f) {
+    BatterySim::Device device{.voltage_v = voltage_v,
+                              .current_a = 14.0f,
+                              .discharged_mah = 100.0f,
+                              .remaining = remaining};
+    BatterySim driver(device);
+    const BatteryParams params{.timestamp = 0, .low = 0.15f, .critical = 0.07f, .emergency = 0.05f};
+    BatteryPorts ports{.now = 1000, .params = Input(params)};
+    Probe status(ports.status, ports.now);
+    driver.step(ports);
+    return status.newest();
+}
+
+TEST(BatterySim, publishes_what_its_device_says) {
+    const BatteryStatus status = battery_status(0.8f);
+    EXPECT_TRUE(status.connected);
+    EXPECT_EQ(status.voltage_v, 11.0f);
+    EXPECT_EQ(status.current_a, 14.0f);
+    EXPECT_EQ(status.discharged_mah, 100.0f);
+    EXPECT_EQ(status.remaining, 0.8f);
+}
+
+TEST(BatterySim, warns_below_each_threshold) {
+    using Warning = BatteryStatus::Warning;
+    EXPECT_EQ(battery_status(0.15f).warning, Warning::kNone);
+    EXPECT_EQ(battery_status(0.14f).warning, Warning::kLow);
+    EXPECT_EQ(battery_status(0.06f).warning, Warning::kCritical);
+    EXPECT_EQ(battery_status(0.04f).warning, Warning::kEmergency);
+    EXPECT_FALSE(battery_status(0.04f, 0.0f).connected);
+    EXPECT_EQ(battery_status(0.04f, 0.0f).warning, Warning::kNone);
+}
+
+TEST(RadioSim, publishes_switches_and_sticks_of_a_frame) {
+    RadioSim::Device device{.timestamp_sample = 900,
+                            .roll = 0.1f,
+                            .pitch = 0.2f,
+                            .yaw = 0.3f,
+                            .throttle = 0.4f,
+                            .mode_slot = 5,
+                            .is_heard = true,
+                            .arm = true};
+    RadioSim driver(device);
+    RadioPorts ports{.now = 1000};
+    ports.fired.received = true;
+    Probe switches(ports.switches, ports.now);
+    Probe sticks(ports.sticks, ports.now);
+    driver.step(ports);
+    EXPECT_EQ(sticks.newest().timestamp_sample, 900U);
+    EXPECT_TRUE(sticks.newest().valid);
+    EXPECT_EQ(sticks.newest().roll, 0.1f);
+    EXPECT_EQ(sticks.newest().pitch, 0.2f);
+    EXPECT_EQ(sticks.newest().yaw, 0.3f);
+    EXPECT_EQ(sticks.newest().throttle, 0.4f);
+    EXPECT_EQ(switches.newest().mode_slot, 5);
+    EXPECT_EQ(switches.newest().arm_switch, ManualControlSwitches::ArmSwitch::kOn);
+    EXPECT_EQ(switches.newest().return_switch, ManualControlSwitches::ReturnSwitch::kOff);
+    EXPECT_EQ(switches.newest().kill_switch, ManualControlSwitches::KillSwitch::kOff);
+    device = {.is_heard = false, .return_home = true, .kill = true};
+    driver.step(ports);
+    EXPECT_FALSE(sticks.newest().valid);
+    EXPECT_EQ(switches.newest().return_switch, ManualControlSwitches::ReturnSwitch::kOn);
+    EXPECT_EQ(switches.newest().kill_switch, ManualControlSwitches::KillSwitch::kOn);
+    ports.fired.received = false;
+    driver.step(ports);
+    EXPECT_EQ(sticks.count(), 2U);
 }
 
 int writes = 0;

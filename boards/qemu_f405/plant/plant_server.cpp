@@ -36,7 +36,7 @@ struct Files {
 class Server {
   public:
     Server(const board::Options& options, const Files& files)
-        : world_(options.seed), files_(files), duration_us_(options.duration_us) {}
+        : world_(options.conditions), files_(files), duration_us_(options.duration_us) {}
 
     // Serves until the firmware has finished. False if it went away before.
     bool run() {
@@ -75,23 +75,18 @@ class Server {
 
     // The newest sample of each sensor goes to the firmware.
     void add(const board::World::Event& event, link::FromPlant& answer) {
-        if (event.imu_sampled) {
+        if (event.imu) {
             answer.imu_sampled = 1;
             answer.imu_time_us = world_.plant().time_us();
-            to_array(event.imu.gyro_B, answer.gyro_B);
-            to_array(event.imu.accel_B, answer.accel_B);
+            answer.gyro_B = math::to_array(event.imu->gyro_B);
+            answer.accel_B = math::to_array(event.imu->accel_B);
         }
-        if (event.mocap_received) {
+        if (event.mocap) {
             answer.mocap_received = 1;
-            answer.mocap_time_us = event.mocap.time_us;
-            answer.mocap_yaw = event.mocap.yaw;
-            to_array(event.mocap.position_N, answer.mocap_position_N);
+            answer.mocap_time_us = event.mocap->time_us;
+            answer.mocap_yaw = event.mocap->yaw;
+            answer.mocap_position_N = math::to_array(event.mocap->position_N);
         }
-    }
-
-    template <class Vector>
-    static void to_array(const Vector& v, std::array<float, 3>& to) {
-        to = {v.x(), v.y(), v.z()};
     }
 
     void record_truth() {

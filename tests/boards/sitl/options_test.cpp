@@ -23,14 +23,18 @@ std::string refusal(std::vector<const char*> arguments, Options& options) {
 TEST(Options, reads_all) {
     Options options;
     EXPECT_EQ(refusal({"--log", "a b.ulg", "--truth", "t", "--seed", "18446744073709551615",
-                       "--duration", "2.5", "--times", "random"},
+                       "--duration", "2.5", "--times", "random", "--fail", "gnss_loss@2.5+10"},
                       options),
               "");
     EXPECT_STREQ(options.log, "a b.ulg");
     EXPECT_STREQ(options.truth, "t");
-    EXPECT_EQ(options.seed, 18446744073709551615U);
+    EXPECT_EQ(options.conditions.seed, 18446744073709551615U);
     EXPECT_EQ(options.duration_us, 2500000U);
     EXPECT_TRUE(options.random_times);
+    const Faults& faults = options.conditions.faults;
+    EXPECT_FALSE(faults.now(FaultKind::kGnssLoss, 2499999));
+    EXPECT_TRUE(faults.now(FaultKind::kGnssLoss, 2500000));
+    EXPECT_FALSE(faults.now(FaultKind::kGnssLoss, 12500000));
 }
 
 TEST(Options, needs_none) {
@@ -60,11 +64,36 @@ TEST(Options, refuses_what_is_no_value) {
               "error: --seed '': wanted is a whole number from 0 to 18446744073709551615\n");
 }
 
+TEST(Options, a_fault_has_a_value_and_lasts) {
+    Options options;
+    EXPECT_EQ(refusal({"--fail", "motor_3=0.25@1"}, options), "");
+    EXPECT_EQ(options.conditions.faults.now(FaultKind::kMotor3, 1000000), 0.25);
+    EXPECT_EQ(options.conditions.faults.now(FaultKind::kMotor2, 1000000), std::nullopt);
+    EXPECT_TRUE(options.conditions.faults.now(FaultKind::kMotor3, 100000000));
+}
+
+TEST(Options, refuses_what_cannot_fail) {
+    for (const char* const fault : {"gnss_loss", "gps@1", "gnss_loss@", "gnss_loss@-1", "@1", "",
+                                    "gnss_loss=1@1", "motor_1=2@1", "rc_loss@1+", "rc_loss@1+x"}) {
+        Options options;
+        EXPECT_NE(refusal({"--fail", fault}, options), "") << fault;
+    }
+    Options options;
+    for (int i = 0; i < 16; ++i) EXPECT_EQ(refusal({"--fail", "rc_loss@1"}, options), "");
+    EXPECT_NE(refusal({"--fail", "rc_loss@1"}, options), "");
+}
+
+TEST(Options, refuses_a_pilot_that_is_not_there) {
+    Options options;
+    EXPECT_EQ(refusal({"--pilot", "/no/such/file"}, options),
+              "error: --pilot '/no/such/file': No such file or directory\n");
+}
+
 TEST(Options, refuses_what_it_does_not_know) {
     Options options;
     EXPECT_EQ(refusal({"--sed", "1"}, options),
               "error: unknown argument '--sed': known are --log FILE, --truth FILE, --seed N, "
-              "--duration SECONDS, --times zero|random\n");
+              "--duration SECONDS, --times zero|random, --fail WHAT@SECONDS, --pilot FILE\n");
 }
 
 }  // namespace

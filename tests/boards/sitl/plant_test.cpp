@@ -78,7 +78,9 @@ TEST(Plant, nutates_as_a_symmetric_top) {
 }
 
 TEST(Plant, hovers_at_the_speed_that_carries_its_weight) {
-    Plant plant(QuadParameters{}, in_the_air());
+    QuadState state = in_the_air();
+    state.rotor_speeds.setConstant(kHoverSpeed);
+    Plant plant(QuadParameters{}, state);
     plant.command({hover_control(), hover_control(), hover_control(), hover_control()});
     run(plant, 1.0);
     // As published for this vehicle: 803 rad/s.
@@ -132,6 +134,68 @@ TEST(Plant, rotors_brake_yaw) {
     const double arms2 = 2.0 * (0.13 * 0.13 + 0.22 * 0.22) + 2.0 * (0.13 * 0.13 + 0.20 * 0.20);
     const double left = std::exp(-1.75e-4 * kHoverSpeed * arms2 / 0.055225);
     EXPECT_NEAR(plant.state().rate_B.z(), 2.0 * left, 1e-5);
+}
+
+TEST(Plant, climbing_takes_thrust_from_the_rotors) {
+    QuadState state = in_the_air();
+    state.velocity_N.z() = -3.0;
+    state.rotor_speeds.setConstant(kHoverSpeed);
+    Plant plant(without_drag(), state);
+    plant.command({hover_control(), hover_control(), hover_control(), hover_control()});
+    run(plant, 1.0);
+    // m v' = -4 k_T speed v / pitch, so that it ends where it hovers.
+    const double left = std::exp(-4.0 * 5.84e-6 * kHoverSpeed / 0.03114 / 1.535);
+    EXPECT_NEAR(plant.state().velocity_N.z(), -3.0 * left, 1e-4);
+}
+
+// Without drag, so that nothing but the wind at the rotors acts.
+TEST(Plant, wind_turns_a_rotor_over) {
+    QuadParameters parameters = without_drag();
+    parameters.inflow_pitch = 1e9;
+    QuadState state = in_the_air();
+    state.rotor_speeds << 800.0, 0.0, 0.0, 0.0;
+    parameters.rotors[0].x = 0.0;
+    parameters.rotors[0].y = 0.0;
+    parameters.fall_time_constant = 1e9;
+    Plant plant(parameters, state);
+    plant.set_influence({.wind_N = Vector3(-10.0, 0.0, 0.0)});
+    run(plant, 0.001);
+    // Seen from above it turns left, so the right blade meets the wind, and lifts: rolls left.
+    EXPECT_NEAR(plant.state().rate_B.x(), -1e-6 * 800.0 * 10.0 / 0.029125 * 0.001, 1e-9);
+}
+
+TEST(Plant, is_carried_along_by_the_wind) {
+    QuadState state = in_the_air();
+    state.velocity_N = Vector3(4.0, -3.0, 0.0);
+    state.rotor_speeds.setConstant(kHoverSpeed);
+    Plant plant(QuadParameters{}, state);
+    plant.set_influence({.wind_N = Vector3(4.0, -3.0, 0.0)});
+    plant.command({hover_control(), hover_control(), hover_control(), hover_control()});
+    run(plant, 2.0);
+    EXPECT_NEAR((plant.state().velocity_N - Vector3(4.0, -3.0, 0.0)).norm(), 0.0, 1e-3);
+    EXPECT_NEAR(plant.velocity_in_air_B().norm(), 0.0, 1e-3);
+}
+
+TEST(Plant, low_voltage_turns_rotors_slower_and_a_broken_one_lifts_less) {
+    Plant plant(QuadParameters{}, in_the_air());
+    plant.set_influence({.supply = 0.9});
+    plant.command({1.0f, 1.0f, 1.0f, 1.0f});
+    run(plant, 1.0);
+    EXPECT_NEAR(plant.state().rotor_speeds[3], 0.9 * 1100.0, 1e-6);
+    QuadState state = in_the_air();
+    state.rotor_speeds.setConstant(kHoverSpeed);
+    Plant broken(without_drag(), state);
+    broken.set_influence({.efficiency = {0.5, 0.5, 0.5, 0.5}});
+    EXPECT_NEAR(broken.specific_force_B().z(), -0.5 * kGravity, 1e-4);
+}
+
+TEST(Plant, draws_the_power_of_momentum_theory) {
+    QuadState state = in_the_air();
+    state.rotor_speeds.setConstant(kHoverSpeed);
+    const Plant plant(QuadParameters{}, state);
+    // T^1.5 / sqrt(2 rho A), twice, for 3.7634 N on 0.0507 m^2, four times, and 5 W: by calculator.
+    EXPECT_NEAR(plant.electric_power(), 170.7, 0.1);
+    EXPECT_NEAR(plant.lift_over_weight(), 1.0, 1e-5);
 }
 
 TEST(Plant, motors_lag_by_their_time_constants) {

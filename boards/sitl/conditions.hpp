@@ -1,0 +1,17 @@
+// What decides a simulated flight besides the graph. By default all is well, and calm.
+#pragma once
+
+#include <cstdint>
+
+#include "faults.hpp"
+#include "pilot.hpp"
+
+namespace stator::board {
+
+struct Conditions {
+    std::uint64_t seed = 1;  // of the start, the sensors' biases and all noise
+    Faults faults{};
+    Pilot pilot{};
+};
+
+}  // namespace stator::board

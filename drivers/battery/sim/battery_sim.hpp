@@ -1,0 +1,25 @@
+// The battery monitor of a simulated board: publishes what the board's battery says when asked.
+#pragma once
+
+#include "battery_ports.hpp"
+
+namespace stator {
+
+class BatterySim {
+  public:
+    // What the battery says now, which the board writes.
+    struct Device {
+        float voltage_v = 0.0f;
+        float current_a = 0.0f;
+        float discharged_mah = 0.0f;
+        float remaining = 0.0f;  // 1 to 0
+    };
+
+    explicit BatterySim(Device& device) : device_(device) {}
+    void step(BatteryPorts& ports);
+
+  private:
+    Device& device_;
+};
+
+}  // namespace stator
