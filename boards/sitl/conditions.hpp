@@ -5,11 +5,13 @@
 
 #include "faults.hpp"
 #include "pilot.hpp"
+#include "wind.hpp"
 
 namespace stator::board {
 
 struct Conditions {
     std::uint64_t seed = 1;  // of the start, the sensors' biases and all noise
+    WindParameters wind{};
     Faults faults{};
     Pilot pilot{};
 };

@@ -8,6 +8,19 @@ namespace stator::board {
 
 using Vector3 = math::Vector3<double>;
 
+// Streams of random numbers of one seed: a sensor that is added or changed leaves the others'
+// alone.
+enum class Stream : std::uint64_t {
+    kStart = 0,
+    kImu = 1,
+    kMocap = 2,
+    kMagnetometer = 3,
+    kBarometer = 4,
+    kGnss = 5,
+    kWind = 6,
+    kVariation = 7,
+};
+
 // Standard normal, components in order: the arguments of a constructor have none.
 Vector3 gaussian3(math::Random& random);
 

@@ -1,6 +1,7 @@
 // The command line of a simulated flight.
 #include "options.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -15,7 +16,8 @@ namespace stator::board {
 
 namespace {
 
-constexpr double kLongest_s = 1e6;  // 11 days
+constexpr double kLongest_s = 1e6;   // 11 days
+constexpr double kStrongest = 50.0;  // m/s, a wind in which nothing flies
 
 bool refuse(const char* option, const char* value, const char* wanted) {
     std::fprintf(stderr, "error: %s '%s': wanted is %s\n", option, value, wanted);
@@ -82,6 +84,30 @@ bool add_fault(const char* text, Faults& faults) {
     return false;
 }
 
+bool read_wind(const char* text, double& speed) {
+    return (read_number(text, speed) && speed >= 0.0 && speed <= kStrongest) ||
+           refuse("--wind", text, "a number of m/s from 0 to 50");
+}
+
+bool read_direction(const char* text, double& from) {
+    double degrees = 0.0;
+    if (!read_number(text, degrees) || !(degrees >= -360.0 && degrees <= 360.0)) {
+        return refuse("--wind-from", text, "a number of degrees from -360 to 360");
+    }
+    from = degrees * (math::kPi<double> / 180.0);
+    return true;
+}
+
+bool read_gusts(const char* text, Gusts& gusts) {
+    constexpr std::array<std::string_view, 4> kNames{"none", "light", "moderate", "severe"};
+    const auto* const found = std::find(kNames.begin(), kNames.end(), text);
+    if (found == kNames.end()) {
+        return refuse("--gusts", text, "none, light, moderate or severe");
+    }
+    gusts = static_cast<Gusts>(found - kNames.begin());
+    return true;
+}
+
 bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--log") return read_path("--log", value, options.log);
     if (option == "--truth") return read_path("--truth", value, options.truth);
@@ -92,10 +118,14 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     }
     if (option == "--duration") return read_duration(value, options.duration_us);
     if (option == "--times") return read_times(value, options.random_times);
+    if (option == "--wind") return read_wind(value, options.conditions.wind.speed);
+    if (option == "--wind-from") return read_direction(value, options.conditions.wind.from);
+    if (option == "--gusts") return read_gusts(value, options.conditions.wind.gusts);
     if (option == "--fail") return add_fault(value, options.conditions.faults);
     std::fprintf(stderr,
                  "error: unknown argument '%s': known are --log FILE, --truth FILE, --seed N, "
-                 "--duration SECONDS, --times zero|random, --fail WHAT@SECONDS, --pilot FILE\n",
+                 "--duration SECONDS, --times zero|random, --wind M_S, --wind-from DEGREES, "
+                 "--gusts none|light|moderate|severe, --fail WHAT@SECONDS, --pilot FILE\n",
                  option.data());
     return false;
 }

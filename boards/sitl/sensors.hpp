@@ -1,23 +1,12 @@
 // What the simulated sensors make of the truth: bias, noise, vibration, delay, resolution.
 #pragma once
 
+#include "noise.hpp"
 #include "plant.hpp"
-#include "stator/random.hpp"
 
 namespace stator::board {
 
 using Vector3f = math::Vector3<float>;
-
-// Streams of random numbers of one seed: a sensor that is added or changed leaves the others'
-// alone.
-enum class Stream : std::uint64_t {
-    kStart = 0,
-    kImu = 1,
-    kMocap = 2,
-    kMagnetometer = 3,
-    kBarometer = 4,
-    kGnss = 5,
-};
 
 // An MPU-6000, after the calibration that every vehicle gets. PS is its Product Specification,
 // PS-MPU-6000A rev. 3.4.

@@ -26,6 +26,7 @@ constexpr std::array kMotorFaults{FaultKind::kMotor1, FaultKind::kMotor2, FaultK
 World::World(const Conditions& conditions)
     : conditions_(conditions),
       plant_(QuadParameters{}, draw_start(conditions.seed)),
+      wind_(conditions.wind, conditions.seed),
       imu_(imu_parameters_, conditions.seed),
       mocap_(mocap_parameters_, conditions.seed),
       magnetometer_(magnetometer_parameters_, earth_, conditions.seed),
@@ -56,7 +57,9 @@ void World::influence_plant(std::uint64_t now_us) {
     const Faults& faults = conditions_.faults;
     battery_.draw(plant_.electric_power(), static_cast<double>(imu_parameters_.period_us) * 1e-6);
     if (const auto left = faults.now(FaultKind::kBatteryLow, now_us)) battery_.limit(*left);
+    const double height = -plant_.state().position_N.z();
     Influence influence;
+    influence.wind_N = wind_.at(now_us, height, math::norm(plant_.velocity_in_air_B()));
     influence.supply = battery_.voltage() / plant_.parameters().nominal_voltage;
     for (unsigned i = 0; i < kRotors; ++i) {
         influence.efficiency[i] = faults.now(kMotorFaults[i], now_us).value_or(1.0);

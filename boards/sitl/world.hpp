@@ -68,6 +68,7 @@ class World {
     Earth earth_{};
     Plant plant_;
     Battery battery_{BatteryParameters{}};
+    Wind wind_;
     Imu imu_;
     Mocap mocap_;
     Magnetometer magnetometer_;

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 MOST_SEED = 2**64 - 1
 MOST_DURATION_S = 1e6
+MOST_WIND_M_S = 50.0
+MOST_DEGREES = 360.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,6 +52,22 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         help="of the start, the sensors and their noise (default: 1)",
     )
     parser.add_argument(
+        "--wind", type=wind_of, default=0.0, metavar="M_S", help="mean wind in m/s (default: 0)"
+    )
+    parser.add_argument(
+        "--wind-from",
+        type=degrees_of,
+        default=0.0,
+        metavar="DEG",
+        help="where the wind comes from, from north over east (default: 0)",
+    )
+    parser.add_argument(
+        "--gusts",
+        choices=["none", "light", "moderate", "severe"],
+        default="none",
+        help="of MIL-F-8785C (default: none)",
+    )
+    parser.add_argument(
         "--fail",
         action="append",
         default=[],
@@ -73,6 +91,8 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
 def flight_options(arguments: argparse.Namespace) -> list[str]:
     """For the program that flies, what decides a flight besides the graph."""
     options = ["--seed", str(arguments.seed), "--duration", f"{arguments.duration:.6f}"]
+    options += ["--wind", f"{arguments.wind:.6f}", "--wind-from", f"{arguments.wind_from:.6f}"]
+    options += ["--gusts", arguments.gusts]
     options += [word for fault in arguments.fail for word in ("--fail", fault)]
     if arguments.pilot is not None:
         options += ["--pilot", str(arguments.pilot.resolve())]
@@ -83,6 +103,20 @@ def seed_of(text: str) -> int:
     if text.isascii() and text.isdigit() and int(text) <= MOST_SEED:
         return int(text)
     raise argparse.ArgumentTypeError(f"'{text}' is no whole number from 0 to {MOST_SEED}")
+
+
+def wind_of(text: str) -> float:
+    with contextlib.suppress(ValueError):
+        if 0.0 <= float(text) <= MOST_WIND_M_S:
+            return float(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is no number of m/s from 0 to {MOST_WIND_M_S:.0f}")
+
+
+def degrees_of(text: str) -> float:
+    with contextlib.suppress(ValueError):
+        if abs(float(text)) <= MOST_DEGREES:
+            return float(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is no number of degrees from -360 to 360")
 
 
 def duration_of(text: str) -> float:

@@ -64,6 +64,20 @@ TEST(Options, refuses_what_is_no_value) {
               "error: --seed '': wanted is a whole number from 0 to 18446744073709551615\n");
 }
 
+TEST(Options, reads_the_weather) {
+    Options options;
+    EXPECT_EQ(refusal({"--wind", "8.5", "--wind-from", "270", "--gusts", "moderate"}, options), "");
+    EXPECT_EQ(options.conditions.wind.speed, 8.5);
+    EXPECT_NEAR(options.conditions.wind.from, 4.71238898, 1e-8);
+    EXPECT_EQ(options.conditions.wind.gusts, Gusts::kModerate);
+    EXPECT_NE(refusal({"--wind", "-1"}, options), "");
+    EXPECT_NE(refusal({"--wind", "51"}, options), "");
+    EXPECT_NE(refusal({"--wind-from", "361"}, options), "");
+    EXPECT_NE(refusal({"--wind-from", "west"}, options), "");
+    EXPECT_EQ(refusal({"--gusts", "strong"}, options),
+              "error: --gusts 'strong': wanted is none, light, moderate or severe\n");
+}
+
 TEST(Options, a_fault_has_a_value_and_lasts) {
     Options options;
     EXPECT_EQ(refusal({"--fail", "motor_3=0.25@1"}, options), "");
@@ -93,7 +107,8 @@ TEST(Options, refuses_what_it_does_not_know) {
     Options options;
     EXPECT_EQ(refusal({"--sed", "1"}, options),
               "error: unknown argument '--sed': known are --log FILE, --truth FILE, --seed N, "
-              "--duration SECONDS, --times zero|random, --fail WHAT@SECONDS, --pilot FILE\n");
+              "--duration SECONDS, --times zero|random, --wind M_S, --wind-from DEGREES, "
+              "--gusts none|light|moderate|severe, --fail WHAT@SECONDS, --pilot FILE\n");
 }
 
 }  // namespace
