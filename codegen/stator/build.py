@@ -78,10 +78,12 @@ def configure(folder: Path, options: list[str], targets: list[str]) -> None:
     # Written last: another graph of the same name, or an interrupted first configuration, which
     # leaves a folder that CMake would not try again, begins anew.
     stamp = folder / "options.txt"
-    text = "\n".join([*options, f"-DSTATOR_PYTHON={sys.executable}"])
+    arguments = [*options, f"-DSTATOR_PYTHON={sys.executable}"]
+    # CMake remembers what an earlier toolchain file said.
+    text = "\n".join([*arguments, TOOLCHAIN.read_text(encoding="utf-8")])
     if not stamp.is_file() or stamp.read_text(encoding="utf-8") != text:
         shutil.rmtree(folder, ignore_errors=True)
-        _run(["cmake", "-S", str(HOME), "-B", str(folder), "-G", "Ninja", *text.split("\n")])
+        _run(["cmake", "-S", str(HOME), "-B", str(folder), "-G", "Ninja", *arguments])
         stamp.write_text(text, encoding="utf-8")
     _run(["cmake", "--build", str(folder), "--target", *targets])
 

@@ -13,6 +13,7 @@ import jinja2
 
 from stator import emit_cortex_m as cortex_m
 from stator import emit_rows as rows
+from stator import emit_tasks
 from stator.diagnostics import Mark, UserError
 from stator.graph_hash import graph_hash
 from stator.library import HOME
@@ -41,7 +42,7 @@ def emit(plan: Plan) -> dict[str, str]:
             "ports.hpp.j2", _start(interface.file), interface=interface, ports=rows.ports(interface)
         )
     graph = _start(plan.graph.file)
-    tasks = [rows.task(plan, task) for task in plan.tasks]
+    tasks = [emit_tasks.task(plan, task) for task in plan.tasks]
     topics = [rows.topic(plan, topic) for topic in plan.topics.values()]
     files["topics.hpp"] = _render("topics.hpp.j2", graph, topics=topics)
     files["topics.cpp"] = _render("topics.cpp.j2", graph, topics=topics)

@@ -20,17 +20,15 @@ MEMORIES = ("flash", "ram", "ccm")
 def program(plan: Plan) -> Row:
     chip = plan.board.chip
     assert chip is not None
-    entries = [row for task in plan.tasks for row in _entry(plan, task)]
     dispatchers = _dispatchers(plan)
     handlers = {task.vector: f"tasks::{task.node.name}::run" for task in plan.tasks}
-    handlers |= {row["vector"]: row["handler"] for row in (*entries, *dispatchers)}
+    handlers |= {row["vector"]: row["handler"] for row in dispatchers}
     handlers |= {chip.vectors[name]: f"board::{name}_interrupt" for name in plan.board.interrupts}
     names = {number: name for name, number in chip.vectors.items()}
     periodic = [t.level for t in plan.tasks if any(i.kind == "every" for i in t.node.triggers)]
     levels = [(task.vector, task.level, task.node.name) for task in plan.tasks]
     levels += [(row["vector"], row["level"], row["comment"]) for row in dispatchers]
     return {
-        "entries": entries,
         "dispatchers": dispatchers,
         "board_interrupts": plan.board.interrupts,
         "vectors": [
@@ -48,23 +46,6 @@ def program(plan: Plan) -> Row:
         "task_count": len(plan.tasks),
         "clock_hz": chip.clock_hz,
     }
-
-
-def _entry(plan: Plan, task: Task) -> list[Row]:
-    """The handler of a task that has its line's own vector: one row, or none for other tasks."""
-    for trigger, device, vector in _wires(plan, task):
-        if vector == task.vector and device.driver != "none":
-            return [
-                {
-                    "vector": vector,
-                    "handler": f"enter_{task.node.name}",
-                    "node": task.node.name,
-                    "device": device.name,
-                    "line": trigger[0],
-                    "min_interarrival_us": trigger[1],
-                }
-            ]
-    return []
 
 
 def _dispatchers(plan: Plan) -> list[Row]:

@@ -14,7 +14,7 @@ from stator.names import upper_camel
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from stator.model import Node, Trigger
+    from stator.model import Node
     from stator.plan import Plan, Task
     from stator.plan_topics import TopicPlan
 
@@ -130,7 +130,7 @@ def ports(interface: Interface) -> Row:
     }
 
 
-# --- tasks ---
+# --- pending bits ---
 
 
 def pend(plan: Plan, task: Task) -> str:
@@ -139,85 +139,14 @@ def pend(plan: Plan, task: Task) -> str:
 
 def pends(plan: Plan, tasks: list[Task]) -> list[str]:
     """One entry for each word that the tasks' bits lie in: of the vectors where vectors are tasks,
-    else of a list in order of urgency."""
+    else of a list in order of urgency. The word of the most urgent task comes first."""
     words: dict[int, int] = {}
-    for task in tasks:
+    for task in sorted(tasks, key=lambda task: task.index):
         bit, bits = task.index, WORD_BITS
         if plan.board.executor == "cortex_m" and task.vector is not None:
             bit, bits = task.vector, VECTOR_WORD_BITS
         words[bit // bits] = words.get(bit // bits, 0) | 1 << bit % bits
-    return [f"{{{word}, {mask:#x}}}" for word, mask in sorted(words.items())]
-
-
-def task(plan: Plan, planned: Task) -> Row:
-    node = planned.node
-    interface = node.interface
-    device = plan.board.devices[node.device] if node.device is not None else None
-    driver = device.driver if device is not None else ""
-    is_bound = device is None or driver != "none"
-    header = driver.replace("/", "_") if device is not None else interface.name
-    inputs = [_input(plan, node, key) for key in node.inputs]
-    return {
-        "name": node.name,
-        "mark": node.mark,
-        "header": header,
-        "class": upper_camel(header),
-        "is_bound": is_bound,
-        "device": node.device or "",
-        "ports": f"{interface.class_name}Ports",
-        "pend": pend(plan, planned),
-        "level": planned.level,
-        "level_begin": planned.level_begin,
-        "lines": [t.name for t in node.triggers if t.kind == "irq"],
-        "line_limits": [
-            {"name": t.name, "min_interarrival_us": t.min_interarrival_us or 0}
-            for t in node.triggers
-            if t.kind == "irq"
-        ],
-        "timers": [
-            _timer(i, t) for i, t in enumerate(t for t in node.triggers if t.kind == "every")
-        ],
-        "inputs": inputs,
-        "triggers": [i for i in inputs if i["kind"] == "trigger"],
-        "thinned": [i for i in inputs if i["kind"] == "thinned"],
-        "latest": [i for i in inputs if i["kind"] == "latest"],
-        "queues": [i for i in inputs if i["kind"] == "queue"],
-        "params_topic": f"{node.name}_params" if interface.params else "",
-        "outputs": [
-            {
-                "name": key,
-                "topic": o.topic,
-                "keep": "true" if node.name in plan.topics[o.topic].kept_by else "false",
-            }
-            for key, o in node.outputs.items()
-        ],
-        "reads_log": interface.reads_log,
-        "is_gated": plan.graph.modes is not None
-        and any(node.name in names for names in plan.graph.modes.sets.values()),
-        "switches_mode": plan.graph.modes is not None and plan.graph.modes.publisher == node.name,
-    }
-
-
-def _input(plan: Plan, node: Node, key: str) -> Row:
-    source = node.inputs[key]
-    kind = node.way_of(source)
-    age = source.max_age_us
-    return {
-        "name": key,
-        "topic": source.topic,
-        "kind": kind,
-        "max_age_us": age or 0,
-        "age": f", {age}" if age else "",
-    }
-
-
-def _timer(index: int, trigger: Trigger) -> Row:
-    return {
-        "name": f"every_{index}",
-        "bit": f"{1 << index}U",
-        "period_us": trigger.period_us,
-        "offset_us": trigger.offset_us,
-    }
+    return [f"{{{word}, {mask:#x}}}" for word, mask in words.items()]
 
 
 # --- topics ---

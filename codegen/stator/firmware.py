@@ -37,7 +37,7 @@ def main(arguments: argparse.Namespace) -> int:
         print(failed, file=sys.stderr)
         return 2
     files = image_files(make_buildable_plan(str(arguments.graph), arguments.board), image)
-    sizes = sizes_of(image.with_name(image.name + ".map"))
+    sizes = sizes_of(image)
     total = total_of(image)
     if arguments.json:
         facts: dict[str, object] = {key: str(file) for key, file in files.items()}
@@ -66,7 +66,7 @@ def build_image(graph: Path, board: str | None, *, sleep: bool = False) -> Path:
 
 
 def total_of(image: Path) -> tuple[int, int]:
-    """Bytes of flash and RAM. Parts may add up to a little more: the linker merges equal texts."""
+    """Bytes of flash and RAM, without the stack."""
     lines = subprocess.run(
         [TOOLS + "size", "-A", image], check=True, capture_output=True, text=True
     ).stdout.splitlines()
@@ -93,37 +93,56 @@ def _convert(image: Path, kind: str, suffix: str) -> Path:
     return result
 
 
-_SECTION = re.compile(
-    r"^ (\.[\w.]*|COMMON)\S*\s+0x([0-9a-f]{8,16})\s+0x([0-9a-f]+)\s+(\S.*)$", re.MULTILINE
+# Where a symbol belongs: by its namespace, else by the file that its code comes from, else by what
+# is left.
+_NAMESPACES = (
+    (r"stator::tasks::(\w+)::", r"\1"),
+    (r"stator::topics::", "topics"),
+    (r"stator::board::", "board"),
+    (r"stator::math::", "runtime/math"),
+    (r"^stator_fault_stack$", "runtime/cortex_m"),
+)
+_FOLDERS = (
+    (r"/generated/graph_program/tasks/(\w+)\.cpp", r"\1"),
+    (r"/generated/", "generated"),
+    (r"/apps/(\w+)/", r"\1"),
+    (r"/drivers/(\w+)/(\w+)/", r"\1_\2"),
+    (r"/runtime/(\w+)/", r"runtime/\1"),
+    (r"/boards/", "board"),
+    (r"/Eigen/", "Eigen"),
+)
+_OTHERS = ((r"^stator_vectors$|^stator::", "generated"), (r"", "compiler's libraries"))
+_SYMBOL = re.compile(
+    r"^[0-9a-f]+ (?P<bytes>[0-9a-f]+) (?P<kind>\w) (?P<name>[^\t]+)(\t(?P<file>.*):\d+)?$"
 )
 
 
-def sizes_of(map_file: Path) -> dict[str, tuple[int, int]]:
-    """Bytes of flash and RAM of each part, the largest first, from the linker's map. Initialised
-    data takes both; the stack is not in it."""
-    text = map_file.read_text(encoding="utf-8")
-    text = text[text.index("Linker script and memory map") :].replace("\n                ", " ")
+def sizes_of(image: Path) -> dict[str, tuple[int, int]]:
+    """Bytes of flash and RAM of each part, the largest first. Nodes are optimised into their tasks,
+    so that a task's part is its wrapper and its node. Initialised data takes both flash and RAM;
+    texts, which have no names, and gaps stand under the last part. The stack is not in it."""
     found: dict[str, list[int]] = {}
-    for section, address, size, file in _SECTION.findall(text):
-        if int(address, 16) == 0 or section.startswith((".debug", ".comment", ".ARM")):
+    for match in map(_SYMBOL.match, _symbols(image)):
+        if match is None or match["kind"] in "aAN":
             continue
-        part = found.setdefault(_part(file), [0, 0])
-        kind = section.split(".")[1] if "." in section else "bss"
-        part[0] += int(size, 16) if kind != "bss" else 0
-        part[1] += int(size, 16) if kind in ("bss", "data") else 0
-    return {
-        name: (sizes[0], sizes[1])
-        for name, sizes in sorted(found.items(), key=lambda item: (-item[1][0], item[0]))
-    }
+        part = found.setdefault(_part(match["name"], match["file"] or ""), [0, 0])
+        size = int(match["bytes"], 16)
+        part[0] += size if match["kind"] not in "bB" else 0
+        part[1] += size if match["kind"] in "bBdD" else 0
+    sizes = sorted(found.items(), key=lambda item: (-item[1][0], item[0]))
+    rest = [total - sum(s[i] for _, s in sizes) for i, total in enumerate(total_of(image))]
+    return {name: (flash, ram) for name, (flash, ram) in [*sizes, ("texts and gaps", rest)]}
 
 
-def _part(file: str) -> str:
-    """The folder that an object file comes from, as a person calls it."""
-    library = re.search(r"lib(graph_program_|stator_)?(\w+)\.a\(", file)
-    if library:
-        prefix, name = library.groups()
-        names = {"graph_program_": name, "stator_": f"runtime/{name}"}
-        return names.get(prefix, "compiler's libraries")
-    if "graph_program_generated" in file:
-        return "generated"
-    return "board" if "/boards/" in file else "compiler's libraries"
+def _symbols(image: Path) -> list[str]:
+    command = [TOOLS + "nm", "-S", "-l", "-C", "--defined-only", str(image)]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
+
+
+def _part(name: str, file: str) -> str:
+    """What a person calls the folder that a symbol comes from."""
+    known = [(pattern, name, part) for pattern, part in _NAMESPACES]
+    known += [(pattern, file, part) for pattern, part in _FOLDERS]
+    known += [(pattern, name, part) for pattern, part in _OTHERS]
+    matches = ((re.search(pattern, text), part) for pattern, text, part in known)
+    return next(match.expand(part) for match, part in matches if match)

@@ -33,8 +33,9 @@ LIBM = frozenset(f"{name}{suffix}" for suffix in ("", "f", "l") for name in NAME
 MASKS = re.compile(r"\t(cps(id|ie)\b|msr\s+(primask|faultmask)\b)", re.IGNORECASE)
 BASEPRI = re.compile(r"\tmsr\s+basepri(_max)?\b", re.IGNORECASE)
 FUNCTION = re.compile(r"^[0-9a-f]+ <(.+)>:$")
-# The topic operations that several publishing levels need; `wake` for their thinned subscribers.
-SECTIONS = ("stator::loan_in_history(", "stator::commit_to_history(", "stator::wake(")
+# The topic operations that several publishing levels need; the last one for their
+# thinned subscribers.
+SECTIONS = ("stator::loan_in_history(", "stator::commit_to_history(", "stator::pend_thinned(")
 # boards/stm32f4/dma.hpp, and the generated linker script.
 DMA_BUFFER = "stator::stm32f4::DmaBuffer<"
 STACK = ("stator_stack_begin", "stator_stack_end")

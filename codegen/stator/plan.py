@@ -144,12 +144,10 @@ def _vectors(graph: Graph, board: Board, report: Report) -> dict[str, int]:
     vectors: dict[str, int] = {}
     short, last = 0, None
     for node in graph.nodes.values():
-        only = node.triggers[0]
-        if len(node.triggers) == 1 and only.kind == "irq" and node.device is not None:
-            name = vector_of(board.devices[node.device].lines.get(only.name, ""))
-            if name in known and len(lines[name]) == 1:
-                vectors[node.name] = known[name]
-                continue
+        name = _only_line(board, node)
+        if name in known and len(lines[name]) == 1:
+            vectors[node.name] = known[name]
+            continue
         if spare:
             vectors[node.name] = spare.pop(0)
         else:
@@ -164,6 +162,22 @@ def _vectors(graph: Graph, board: Board, report: Report) -> dict[str, int]:
             "join nodes, or free vectors of devices that are not used",
         )
     return vectors
+
+
+def _only_line(board: Board, node: Node) -> str:
+    """The vector of the line that alone triggers the node; empty if there is none."""
+    only = node.triggers[0]
+    if len(node.triggers) != 1 or only.kind != "irq" or node.device is None:
+        return ""
+    return vector_of(board.devices[node.device].lines.get(only.name, ""))
+
+
+def owns_its_vector(plan: Plan, task: Task) -> bool:
+    """Whether a task's vector is that of its line, which then starts the task itself."""
+    chip = plan.board.chip
+    if chip is None or task.vector is None or plan.board.executor != "cortex_m":
+        return False
+    return chip.vectors.get(_only_line(plan.board, task.node)) == task.vector
 
 
 def vector_of(wire: str) -> str:

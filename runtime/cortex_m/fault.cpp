@@ -7,9 +7,9 @@
 extern "C" {
 extern uint32_t stator_stack_begin[];
 extern uint32_t stator_stack_end[];
-// Of its own, as the fault may be that the stack is full.
-alignas(8) std::array<uint32_t, 128> stator_fault_stack;
-[[noreturn]] void stator_on_fault(const uint32_t* frame);
+// Of its own, as the fault may be that the stack is full. Only assembly names these two.
+[[gnu::used, gnu::externally_visible]] alignas(8) std::array<uint32_t, 128> stator_fault_stack;
+[[gnu::used, gnu::externally_visible, noreturn]] void stator_on_fault(const uint32_t* frame);
 }
 
 namespace stator {

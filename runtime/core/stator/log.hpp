@@ -51,9 +51,9 @@ struct LogTable {
 
 extern const LogTable log_table;  // generated, where the graph has a logger
 
-// Samples that passed before the logger came to read them.
-inline uint64_t lost_samples(const LogTable& table) {
-    uint64_t lost = 0;
+// Samples that passed before the logger came to read them, modulo 2^32.
+inline uint32_t lost_samples(const LogTable& table) {
+    uint32_t lost = 0;
     for (uint32_t i = 0; i < table.topic_count; ++i) lost += table.topics[i].cursor->lost;
     return lost;
 }
@@ -64,7 +64,7 @@ inline bool take_logged(const LogTopic& row, uint64_t now_us, Pin& pin) {
     if (row.interval_us == 0) return take_next(*row.topic, cursor.number, cursor.lost, pin);
     if (now_us < cursor.due_us || !has_unread(*row.topic, cursor.number)) return false;
     if (!take_latest(*row.topic, pin)) return false;
-    cursor.number = row.topic->number[pin.slot].load();
+    cursor.number = number_of(*row.topic, pin);
     cursor.due_us += ((now_us - cursor.due_us) / row.interval_us + 1) * row.interval_us;
     return true;
 }

@@ -23,7 +23,10 @@ class Input {
         : sample_(&sample), lost_(lost), is_new_(is_new) {}
     Input(const Input&) = delete;
     Input& operator=(const Input&) = delete;
-    ~Input() { drop(); }
+    [[gnu::always_inline]] ~Input() {
+        note_seen();
+        drop();
+    }
 
     // True if there is a sample, and it is not older than the graph's `max_age`.
     explicit operator bool() const { return sample_ != nullptr; }
@@ -31,22 +34,28 @@ class Input {
     const Message* operator->() const { return sample_; }
 
     // True if there is a sample, and no earlier activation of this node has seen it.
-    bool is_new() const { return is_new_ && sample_ != nullptr; }
+    bool is_new() const {
+        is_asked_ = true;
+        if (sample_ == nullptr) return false;
+        return seen_ == nullptr ? is_new_ : number() != *seen_;
+    }
     // Samples that passed unread since the one seen before; in a queue input, summed over `next()`.
-    uint32_t lost() const { return lost_; }
-    // Number of the sample on its topic, from 1, modulo 2^32.
-    uint32_t number() const { return number_; }
+    uint32_t lost() const { return is_new() && seen_ != nullptr ? number() - *seen_ - 1 : lost_; }
+    // Number of the sample on its topic, from 1, modulo 2^32; 0 without a sample.
+    uint32_t number() const {
+        return sample_ == nullptr || topic_ == nullptr ? 0 : number_of(*topic_, pin_);
+    }
 
     // Moves on to the next unread sample: true while there is one. Other inputs say true once, for
     // a new sample, so that a node reads every kind of input alike.
     bool next() {
         if (cursor_ == nullptr) {
-            const bool first = is_new_ && !consumed_ && sample_ != nullptr;
-            consumed_ = true;
+            const bool first = !is_consumed_ && is_new();
+            is_consumed_ = true;
             return first;
         }
         drop();
-        while (take_next(*topic_, *cursor_, lost_, pin_)) {
+        while (take_next(*topic_, *cursor_, lost_, pin_, marks_)) {
             hold();
             is_new_ = true;
             if (young_enough()) return true;
@@ -56,48 +65,55 @@ class Input {
     }
 
     // --- for generated wrappers ---
+    // `marks`: a publisher outranks the reader (topic.hpp).
 
     // Consumes the oldest unread sample, if there is one.
-    void take_trigger(const Topic& topic, uint32_t& cursor) {
+    void take_trigger(const Topic& topic, uint32_t& cursor, bool marks = true) {
         topic_ = &topic;
-        if (!take_next(topic, cursor, lost_, pin_)) return;
+        marks_ = marks;
+        if (!take_next(topic, cursor, lost_, pin_, marks)) return;
         hold();
         is_new_ = true;
     }
-    // Takes the newest sample if it is at most `max_age_us` old at `now_us`.
-    void take_latest(const Topic& topic, uint32_t& cursor, uint64_t now_us,
-                     uint32_t max_age_us = kNoAgeLimit) {
+    // Takes the newest sample if it is at most `max_age_us` old at `now_us`. `seen` is the number
+    // of the one seen before, brought up to date when the port is let go.
+    void take_latest(const Topic& topic, uint32_t& seen, uint64_t now_us,
+                     uint32_t max_age_us = kNoAgeLimit, bool marks = true) {
         topic_ = &topic;
-        now_us_ = now_us;
-        max_age_us_ = max_age_us;
-        if (!stator::take_latest(topic, pin_)) return;
+        marks_ = marks;
+        seen_ = &seen;
+        if (!stator::take_latest(topic, pin_, marks)) return;
         hold();
-        is_new_ = number_ != cursor;
-        if (is_new_) lost_ = number_ - cursor - 1;
-        cursor = number_;
-        if (!young_enough()) drop();
+        limit_age(now_us, max_age_us);
     }
     void open_queue(const Topic& topic, uint32_t& cursor, uint64_t now_us,
-                    uint32_t max_age_us = kNoAgeLimit) {
+                    uint32_t max_age_us = kNoAgeLimit, bool marks = true) {
         topic_ = &topic;
+        marks_ = marks;
         cursor_ = &cursor;
         now_us_ = now_us;
         max_age_us_ = max_age_us;
     }
-    // Lets a trigger sample go that is older than the graph allows.
+    // Lets a sample go that is older than the graph allows.
     void limit_age(uint64_t now_us, uint32_t max_age_us) {
         now_us_ = now_us;
         max_age_us_ = max_age_us;
-        if (sample_ != nullptr && !young_enough()) drop();
+        if (sample_ == nullptr || young_enough()) return;
+        lost_ = lost();
+        note_seen();
+        drop();
     }
 
   private:
-    void hold() {
-        sample_ = static_cast<const Message*>(topic_->samples) + pin_.slot;
-        number_ = topic_->number[pin_.slot].load();
+    // Does nothing where the compiler sees that the node never asks what is new: there the number
+    // is of no use.
+    void note_seen() {
+        if (__builtin_constant_p(is_asked_) && !is_asked_) return;
+        if (seen_ != nullptr && sample_ != nullptr) *seen_ = number();
     }
+    void hold() { sample_ = static_cast<const Message*>(topic_->samples) + pin_.slot; }
     void drop() {
-        if (sample_ != nullptr && topic_ != nullptr) release(*topic_, pin_);
+        if (sample_ != nullptr && topic_ != nullptr) release(*topic_, pin_, marks_);
         sample_ = nullptr;
     }
     bool young_enough() const {
@@ -107,14 +123,16 @@ class Input {
 
     const Message* sample_ = nullptr;
     const Topic* topic_ = nullptr;
-    uint32_t* cursor_ = nullptr;
+    uint32_t* cursor_ = nullptr;  // of a queue
+    uint32_t* seen_ = nullptr;    // of an input that reads the newest
     uint64_t now_us_ = 0;
     uint32_t max_age_us_ = kNoAgeLimit;
     uint32_t lost_ = 0;
-    uint32_t number_ = 0;
     Pin pin_;
+    bool marks_ = true;
     bool is_new_ = false;
-    bool consumed_ = false;
+    bool is_consumed_ = false;
+    mutable bool is_asked_ = false;
 };
 
 // One output of a node. May be unconnected: then publishing does nothing.

@@ -8,12 +8,12 @@
 namespace stator {
 
 // A periodic trigger. The timer counts and pends; the wrapper compares with what it has served, as
-// a pending bit alone cannot say which trigger fired.
+// a pending bit alone cannot say which trigger fired. Times are sums of periods: nothing wraps.
 struct TimerState {
-    Shared<uint32_t> fires;  // releases, modulo 2^32
-    uint32_t served = 0;     // those that the task has served, modulo 2^32
-    uint64_t released = 0;   // the whole counts: of the level that releases
-    uint64_t seen = 0;       // and of the task
+    Shared<uint32_t> fires;    // releases, modulo 2^32
+    uint32_t served = 0;       // those that the task has served, modulo 2^32
+    uint64_t released_us = 0;  // all periods released: of the level that releases
+    uint64_t served_us = 0;    // and served: of the task
 };
 struct Timer {
     TimerState* state;
@@ -22,32 +22,33 @@ struct Timer {
     Pend pend;
 };
 
-// Nominal time of the newest release that was served.
+// Nominal time of the newest release that was served; the first one is at the offset.
 inline uint64_t nominal_time_us(const TimerState& timer, uint32_t period_us, uint32_t offset_us) {
-    return offset_us + period_us * (timer.seen - 1);
+    return timer.served_us + offset_us - period_us;
 }
 
 // For the level that releases: when the next one is due, and making it.
 inline uint64_t next_release_us(const Timer& timer) {
-    return timer.offset_us + timer.period_us * timer.state->released;
+    return timer.state->released_us + timer.offset_us;
 }
 inline void release(const Timer& timer) {
-    timer.state->released += 1;
-    timer.state->fires.store(static_cast<uint32_t>(timer.state->released));
+    timer.state->released_us += timer.period_us;
+    timer.state->fires.store(timer.state->fires.load() + 1);
     set_pending(timer.pend);
 }
 
 // For the task: leaves out what was released up to count `start`.
-inline void skip_to(TimerState& timer, uint32_t start) {
-    timer.seen += start - timer.served;
+inline void skip_to(TimerState& timer, uint32_t start, uint32_t period_us) {
+    timer.served_us += uint64_t{start - timer.served} * period_us;
     timer.served = start;
 }
 
 // True if there was a release since the last call.
-inline bool served_now(TimerState& timer) {
-    const uint32_t before = timer.served;
-    skip_to(timer, timer.fires.load());
-    return timer.served != before;
+inline bool served_now(TimerState& timer, uint32_t period_us) {
+    const uint32_t count = timer.fires.load();
+    if (count == timer.served) return false;
+    skip_to(timer, count, period_us);
+    return true;
 }
 
 // A time that one level writes and lower ones read, in two words: read again if the upper one
@@ -73,35 +74,48 @@ class SharedTime {
     Shared<uint32_t> low_;
 };
 
-// A device's line as its task sees it. `clock_us` is the clock at the newest entry of its vector.
-struct LineState {
-    Shared<uint32_t> fires;
-    uint32_t served = 0;
-    SharedTime clock_us;
-    uint32_t early = 0;    // came before `min_interarrival`
+// The assumption `min_interarrival` of a line, checked.
+struct EntryState {
+    uint64_t due_us = 0;   // earliest time of the next one that is not early
+    uint32_t early = 0;    // came before
     uint32_t dropped = 0;  // of these, not served: the one before was early too
     bool was_early = false;
 };
 
+// An early entry is refused only when the one before it was early too, as one late entry makes the
+// next look early.
+inline bool is_refused(const EntryState& line, uint64_t clock_us) {
+    return line.was_early && clock_us < line.due_us;
+}
+inline void note_entry(EntryState& line, uint64_t clock_us, uint32_t min_interarrival_us) {
+    const bool early = clock_us < line.due_us;
+    line.dropped += early && line.was_early ? 1U : 0U;
+    line.early += early ? 1U : 0U;
+    line.was_early = early;
+    line.due_us = clock_us + min_interarrival_us;
+}
+
+// A device's line as its task sees it. `clock_us` is the clock at the newest entry of its vector.
+struct LineState : EntryState {
+    Shared<uint32_t> fires;
+    uint32_t served = 0;
+    SharedTime clock_us;
+};
+
 // True if the trigger fired since the last call; advances what counts as served.
-inline bool served_now(Shared<uint32_t>& fires, uint32_t& served) {
+inline bool served_now(const Shared<uint32_t>& fires, uint32_t& served) {
     const uint32_t count = fires.load();
     const bool fired = count != served;
     served = count;
     return fired;
 }
 
-// The assumption `min_interarrival` of a line: an early entry is counted, and refused only when the
-// one before it was early too, as one late entry makes the next look early.
+// At the entry of a line's vector: notes it for its task. False: refused.
 inline bool accept_line(LineState& line, uint64_t clock_us, uint32_t min_interarrival_us) {
-    const bool first = line.fires.load() == 0 && line.dropped == 0;
-    const bool early = !first && clock_us - line.clock_us.load() < min_interarrival_us;
-    const bool drop = early && line.was_early;
+    const bool is_served = !is_refused(line, clock_us);
+    note_entry(line, clock_us, min_interarrival_us);
     line.clock_us.store(clock_us);
-    line.was_early = early;
-    line.early += early ? 1U : 0U;
-    line.dropped += drop ? 1U : 0U;
-    return !drop;
+    return is_served;
 }
 
 // Whether a task runs in the present mode. Odd: it does. The switch counts up; the task's own
@@ -116,10 +130,10 @@ constexpr uint64_t later(uint64_t a, uint64_t b) {
     return a < b ? b : a;
 }
 
-// Counts for `top`, the report and the proof's watch.
+// Counts for `top`, the report and the proof's watch; modulo 2^32.
 struct TaskCounters {
-    uint64_t activations = 0;
-    uint64_t lost_samples = 0;
+    uint32_t activations = 0;
+    uint32_t lost_samples = 0;
 };
 
 }  // namespace stator

@@ -90,43 +90,51 @@ struct Topic {
 // A slot in use by a job: what to put back into `free` at its end.
 struct Pin {
     uint32_t saved_free = 0;
-    uint8_t slot = 0;
+    uint32_t slot = 0;
 };
+
+// Number of the sample in a slot that the caller holds.
+inline uint32_t number_of(const Topic& topic, const Pin& pin) {
+    return topic.number[pin.slot].load();
+}
+
+// The functions that take have `marks`. False: no publisher of the topic can run before the pin is
+// released, as none outranks the reader; then no slot needs to be marked.
 
 // Takes the newest sample. False if there is none yet: then nothing is held.
 // Constant time; any context above hardware priority 0.
-inline bool take_latest(const Topic& topic, Pin& pin) {
+inline bool take_latest(const Topic& topic, Pin& pin, bool marks = true) {
     TopicState& state = *topic.state;
-    uint32_t mask = 0;
+    uint32_t mask = state.history.load();
+    if (mask == 0) return false;
     if (topic.depth == 1) {
-        mask = state.history.load();
-        if (mask == 0) return false;
-        pin.slot = static_cast<uint8_t>(std::countl_zero(mask));
+        pin.slot = static_cast<uint32_t>(std::countl_zero(mask));
     } else {
-        if (state.history.load() == 0) return false;
         const uint32_t head = state.head.load();
         pin.slot = topic.ring[(head - 1) & (2U * topic.depth - 1)].load();
         mask = slot_mask(pin.slot);
     }
+    if (!marks) return true;
     pin.saved_free = state.free.load();
     state.free.store(pin.saved_free & ~mask);
     return true;
 }
 
-inline void release(const Topic& topic, const Pin& pin) {
-    topic.state->free.store(pin.saved_free);
+inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
+    if (marks) topic.state->free.store(pin.saved_free);
 }
 
 // Takes the oldest sample after number `cursor`, moves `cursor` on to it and adds to `lost` what
 // the history no longer holds. False if there is none. A round repeats only if a publication
 // overtook it: at most once per activation of a publisher that preempts it.
-inline bool take_next(const Topic& topic, uint32_t& cursor, uint32_t& lost, Pin& pin) {
+inline bool take_next(const Topic& topic, uint32_t& cursor, uint32_t& lost, Pin& pin,
+                      bool marks = true) {
     TopicState& state = *topic.state;
     if (topic.depth == 1) {
-        if (!take_latest(topic, pin)) return false;
-        const uint32_t number = topic.number[pin.slot].load();
+        if (!take_latest(topic, pin, marks)) return false;
+        const uint32_t number = number_of(topic, pin);
         if (number == cursor) {
-            release(topic, pin);
+            release(topic, pin, marks);
             return false;
         }
         lost += number - cursor - 1;
@@ -134,17 +142,18 @@ inline bool take_next(const Topic& topic, uint32_t& cursor, uint32_t& lost, Pin&
         return true;
     }
     const uint32_t depth = topic.depth;
-    pin.saved_free = state.free.load();
+    if (marks) pin.saved_free = state.free.load();
     uint32_t next = 0;
     do {
         next = cursor;
         const uint32_t head = state.head.load();
         if (head == next) {
-            state.free.store(pin.saved_free);
+            release(topic, pin, marks);
             return false;
         }
         if (head - next > depth) next = head - depth;
         pin.slot = topic.ring[next & (2 * depth - 1)].load();
+        if (!marks) break;
         state.free.store(pin.saved_free & ~slot_mask(pin.slot));
     } while (state.head.load() - next > depth);
     lost += next - cursor;
@@ -160,7 +169,7 @@ inline bool has_unread(const Topic& topic, uint32_t cursor) {
 // A slot to build one sample in, until `commit`.
 struct Loan {
     uint32_t saved_free = 0;
-    uint8_t slot = 0;
+    uint32_t slot = 0;
 };
 
 // The common case, worth a short path: only the newest sample counts, and one level publishes.
@@ -183,7 +192,7 @@ inline uint32_t kept_history(const Topic& topic, bool keep) {
     const uint32_t free = topic.state->free.load();
     const uint32_t usable = free & ~kept_history(topic, keep);
     require(usable != 0, "topic: no free slot");
-    const auto slot = static_cast<uint8_t>(std::countl_zero(usable));
+    const auto slot = static_cast<uint32_t>(std::countl_zero(usable));
     if (topic.ceiling != 0) topic.state->free.store(free & ~slot_mask(slot));
     return {free, slot};
 }
@@ -195,7 +204,7 @@ inline Loan loan(const Topic& topic, bool keep) {
     const uint32_t free = topic.state->free.load();
     const uint32_t usable = keep ? free & ~topic.state->history.load() : free;
     require(usable != 0, "topic: no free slot");
-    return {free, static_cast<uint8_t>(std::countl_zero(usable))};
+    return {free, static_cast<uint32_t>(std::countl_zero(usable))};
 }
 
 [[gnu::noinline]] inline void commit_to_history(const Topic& topic, Loan loaned) {
@@ -209,10 +218,11 @@ inline Loan loan(const Topic& topic, bool keep) {
         state.head.store(head + 1);
     } else {
         const uint32_t last = 2U * topic.depth - 1;
+        const auto slot = static_cast<uint8_t>(loaned.slot);
         if (std::popcount(history) == topic.depth) {
             history &= ~slot_mask(topic.ring[(head - topic.depth) & last].load());
         }
-        topic.ring[head & last].store(loaned.slot);
+        topic.ring[head & last].store(slot);
         state.head.store(head + 1);
         state.history.store(history | slot_mask(loaned.slot));
     }
@@ -231,7 +241,7 @@ inline void commit(const Topic& topic, Loan loaned) {
 
 // Pends the thinned subscribers that are due. In one section: another publisher must not come in
 // between, and all are pended before any runs.
-inline void pend_thinned(const Topic& topic, uint64_t timestamp_us) {
+[[gnu::noinline]] inline void pend_thinned(const Topic& topic, uint64_t timestamp_us) {
     const Section section(topic.ceiling);
     for (unsigned i = 0; i < topic.thinned_count; ++i) {
         const Thinned& thinned = topic.thinned[i];
@@ -243,15 +253,12 @@ inline void pend_thinned(const Topic& topic, uint64_t timestamp_us) {
     }
 }
 
-[[gnu::noinline]] inline void wake(const Topic& topic, uint64_t timestamp_us) {
+// Wakes the subscribers of a topic whose newest sample is stamped `timestamp_us`. Of a constant row
+// only the stores are left.
+inline void activate(const Topic& topic, uint64_t timestamp_us) {
     for (unsigned i = 0; i < topic.subscriber_count; ++i) set_pending(topic.subscribers[i]);
     if (topic.thinned_count != 0) pend_thinned(topic, timestamp_us);
-    preempt();
-}
-
-// Wakes the subscribers of a topic whose newest sample is stamped `timestamp_us`.
-inline void activate(const Topic& topic, uint64_t timestamp_us) {
-    if (topic.subscriber_count + topic.thinned_count != 0) wake(topic, timestamp_us);
+    if (topic.subscriber_count + topic.thinned_count != 0) preempt();
 }
 
 }  // namespace stator

@@ -20,8 +20,8 @@ class TimerTest : public testing::Test {
     uint64_t pending_ = 0;
     TimerState state_{.fires = Shared<uint32_t>(UINT32_MAX),
                       .served = UINT32_MAX,
-                      .released = kWrap - 1,
-                      .seen = kWrap - 1};
+                      .released_us = (kWrap - 1) * kPeriod_us,
+                      .served_us = (kWrap - 1) * kPeriod_us};
     Timer timer_{&state_, kPeriod_us, kOffset_us, Pend{0, 1}};
 };
 
@@ -30,23 +30,23 @@ TEST_F(TimerTest, releases_go_on_past_two_to_the_32) {
     release(timer_);
     EXPECT_EQ(pending_, 1U);
     EXPECT_EQ(next_release_us(timer_), kOffset_us + kWrap * kPeriod_us);
-    EXPECT_TRUE(served_now(state_));
+    EXPECT_TRUE(served_now(state_, kPeriod_us));
     EXPECT_EQ(nominal_time_us(state_, kPeriod_us, kOffset_us),
               kOffset_us + (kWrap - 1) * kPeriod_us);
-    EXPECT_FALSE(served_now(state_));
+    EXPECT_FALSE(served_now(state_, kPeriod_us));
 }
 
 TEST_F(TimerTest, several_releases_are_served_as_one_at_the_newest_time) {
     for (int i = 0; i < 3; ++i) release(timer_);
-    EXPECT_TRUE(served_now(state_));
+    EXPECT_TRUE(served_now(state_, kPeriod_us));
     EXPECT_EQ(nominal_time_us(state_, kPeriod_us, kOffset_us),
               kOffset_us + (kWrap + 1) * kPeriod_us);
 }
 
 TEST_F(TimerTest, what_was_released_before_a_start_is_not_served) {
     release(timer_);
-    skip_to(state_, state_.fires.load());
-    EXPECT_FALSE(served_now(state_));
+    skip_to(state_, state_.fires.load(), kPeriod_us);
+    EXPECT_FALSE(served_now(state_, kPeriod_us));
 }
 
 }  // namespace

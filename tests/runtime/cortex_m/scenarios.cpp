@@ -110,7 +110,7 @@ void low() {
     in_middle = [] {
         const uint32_t fires = millisecond.fires.load();
         const uint64_t nominal_us =
-            nominal_time_us(TimerState{.fires = {}, .seen = fires}, 1000, 0);
+            nominal_time_us(TimerState{.fires = {}, .served_us = fires * 1000ULL}, 1000, 0);
         const bool is_first = fires == 1;  // due at 0, before the program had started
         if (!is_first && clock_us() - nominal_us > 2) print("late ");
         if (fires != 51) return;

@@ -19,7 +19,7 @@ class LinesTest : public testing::GraphTest {
             testing::events.emplace(time_us, [] { board::button0_pressed.raise(); });
         }
     }
-    const LineState& line() const { return tasks::button0::line_pressed; }
+    const LineState& line() const { return tasks::button0::state.line_pressed; }
 };
 
 TEST_F(LinesTest, a_line_activates_its_driver_at_the_clock) {

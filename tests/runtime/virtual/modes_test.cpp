@@ -44,7 +44,7 @@ TEST_F(ModesTest, a_trigger_begins_with_what_comes_after_the_switch) {
     const std::vector<Entry> alpha = journal::of(3);
     EXPECT_EQ(alpha[6].a_value, 12U);
     EXPECT_EQ(alpha[6].a_lost, 0U);
-    EXPECT_EQ(tasks::alpha::counters.lost_samples, 0U);
+    EXPECT_EQ(tasks::alpha::state.counters.lost_samples, 0U);
 }
 
 TEST_F(ModesTest, a_queue_begins_empty) {
@@ -73,17 +73,17 @@ TEST_F(ModesTest, periods_keep_their_phase) {
 TEST_F(ModesTest, a_running_job_finishes) {
     run_until(60'000);
     EXPECT_NE(journal::order.find("+1 -1 "), std::string::npos);
-    EXPECT_EQ(tasks::doomed::counters.activations, 1U);
+    EXPECT_EQ(tasks::doomed::state.counters.activations, 1U);
     EXPECT_EQ(journal::of(4).front().now_us, 56'000U) << "the switch is done";
     run_until(160'000);
     EXPECT_EQ(journal::of(1).back().activation, 1U) << "and it begins anew";
-    EXPECT_EQ(tasks::doomed::counters.activations, 2U);
+    EXPECT_EQ(tasks::doomed::state.counters.activations, 2U);
 }
 
 // Every wish pends `late`, and every wish that it could read switches it off before it runs.
 TEST_F(ModesTest, the_pending_bit_of_a_stopped_node_is_cleared) {
     run_until(1'000'000);
-    EXPECT_EQ(tasks::late::counters.activations, 0U);
+    EXPECT_EQ(tasks::late::state.counters.activations, 0U);
     EXPECT_TRUE(journal::of(7).empty());
     EXPECT_GE(journal::of(1).size(), 9U);
 }
@@ -101,8 +101,8 @@ TEST_F(ModesTest, switches_hold_under_preemption) {
     run_until(2'000'000);
     EXPECT_EQ(journal::torn, 0U);
     EXPECT_GE(journal::of(1).size(), 15U);
-    EXPECT_EQ(tasks::watcher::counters.lost_samples + tasks::watcher::counters.activations,
-              tasks::alpha::counters.activations + tasks::beta::counters.activations);
+    EXPECT_EQ(tasks::watcher::state.counters.lost_samples + tasks::watcher::state.counters.activations,
+              tasks::alpha::state.counters.activations + tasks::beta::state.counters.activations);
 }
 
 }  // namespace

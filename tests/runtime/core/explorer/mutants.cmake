@@ -35,8 +35,8 @@ stator_add_mutant(no_section_in_commit
 
 # --- order of the words ---
 stator_add_mutant(head_before_ring
-    FROM "        topic.ring[head & last].store(loaned.slot);\n        state.head.store(head + 1);"
-    TO "        state.head.store(head + 1);\n        topic.ring[head & last].store(loaned.slot);"
+    FROM "        topic.ring[head & last].store(slot);\n        state.head.store(head + 1);"
+    TO "        state.head.store(head + 1);\n        topic.ring[head & last].store(slot);"
     RUN --depth 2 "1w 2q")
 stator_add_mutant(number_after_history
     FROM "    topic.number[loaned.slot].store(number);\n    topic.state->history.store(slot_mask(loaned.slot));"
@@ -53,12 +53,12 @@ stator_add_mutant(pin_not_marked
     TO ""
     RUN --depth 1 "1r 2w")
 stator_add_mutant(release_omitted
-    FROM "{\n    topic.state->free.store(pin.saved_free);\n}"
-    TO "{\n    static_cast<void>(topic), static_cast<void>(pin);\n}"
+    FROM "    if (marks) topic.state->free.store(pin.saved_free);"
+    TO "    static_cast<void>(topic), static_cast<void>(pin), static_cast<void>(marks);"
     RUN --depth 1 "1r 2w")
 stator_add_mutant(release_sets_the_bit
-    FROM "topic.state->free.store(pin.saved_free);"
-    TO "topic.state->free.store(topic.state->free.load() | slot_mask(pin.slot));"
+    FROM "if (marks) topic.state->free.store(pin.saved_free);"
+    TO "if (marks) topic.state->free.store(topic.state->free.load() | slot_mask(pin.slot));"
     RUN --depth 1 "1r 2r 3w")
 stator_add_mutant(loan_not_marked
     FROM "    if (topic.ceiling != 0) topic.state->free.store(free & ~slot_mask(slot));"

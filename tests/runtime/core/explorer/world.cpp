@@ -31,7 +31,9 @@ void fail(const char* what) {
 World::World(const Topology& topology, unsigned slots, uint32_t first, unsigned published)
     : topology_(topology), slots_(slots), first_(first), published_(published) {
     for (unsigned i = 0; i < topology.users.size(); ++i) {
-        keep_[i] = topology.is_read_above(topology.users[i].level);
+        const TopicUser& user = topology.users[i];
+        keep_[i] = topology.is_read_above(user.level);
+        marks_[i] = user.role.publishes() || user.level < topology.top();
     }
     topic_ = {.state = &state_,
               .samples = samples_.data(),
@@ -130,7 +132,7 @@ void World::step(Job& job) {
     if (role.publishes()) publish(job);
     if (!job.has_pin) return;
     job.enter(role.publishes() ? Job::Phase::kReleasing : Job::Phase::kHolding);
-    stator::release(topic_, job.pin);
+    stator::release(topic_, job.pin, marks_[job.user]);
     const Sample& now = samples_[job.pin.slot];
     expect(now.first == seen.first && now.second == seen.second,
            "a sample changes while it is read");
@@ -143,7 +145,9 @@ bool World::take(Job& job) {
     const bool is_queue = topology_.users[job.user].role.reads_queue();
     const uint32_t before = cursor;
     uint32_t lost = 0;
-    if (!(is_queue ? take_next(topic_, cursor, lost, job.pin) : take_latest(topic_, job.pin))) {
+    const bool marks = marks_[job.user];
+    if (!(is_queue ? take_next(topic_, cursor, lost, job.pin, marks)
+                   : take_latest(topic_, job.pin, marks))) {
         expect(is_queue ? job.newest_at_start == before : !job.any_at_start,
                "a sample reads as absent");
         return false;

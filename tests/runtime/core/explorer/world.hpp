@@ -119,6 +119,7 @@ class World {
     unsigned job_count_ = 0;
     std::array<Job, kMostUsers> jobs_{};
     std::array<bool, kMostUsers> keep_{};
+    std::array<bool, kMostUsers> marks_{};
     std::array<uint32_t, kMostUsers> cursor_{};
     std::array<uint32_t, kMostUsers> lost_{};
     std::array<Sample, kMostSlots> samples_{};

@@ -20,6 +20,8 @@ struct AdderPorts {
     Input<Count> count{};  // Each sample that is read is added, once.
     Input<Count> extra{};  // The newest, while there is one, goes on top.
     Output<Count> sum{};  // The sum.
+
+    [[gnu::always_inline]] ~AdderPorts() = default;
 };
 
 }  // namespace stator

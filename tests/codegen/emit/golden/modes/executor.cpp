@@ -2,6 +2,7 @@
 #include "board.hpp"
 #include "stator/virtual.hpp"
 #include "tasks.hpp"
+#include "topics.hpp"
 
 namespace stator {
 
@@ -9,16 +10,16 @@ namespace {
 
 // Most urgent first.
 constexpr Task kTasks[] = {
-    {"bold", tasks::bold::run, &tasks::bold::counters, 0},
-    {"adder", tasks::adder::run, &tasks::adder::counters, 0},
-    {"careful", tasks::careful::run, &tasks::careful::counters, 2},
-    {"mode_switch", tasks::mode_switch::run, &tasks::mode_switch::counters, 3},
+    {"bold", tasks::bold::run, &tasks::bold::state.counters, 0},
+    {"adder", tasks::adder::run, &tasks::adder::state.counters, 0},
+    {"careful", tasks::careful::run, &tasks::careful::state.counters, 2},
+    {"mode_switch", tasks::mode_switch::run, &tasks::mode_switch::state.counters, 3},
 };
 
 constexpr Timer kTimers[] = {
-    {&tasks::bold::every_0, 5000, 0, tasks::bold::kPend},
-    {&tasks::careful::every_0, 10000, 0, tasks::careful::kPend},
-    {&tasks::mode_switch::every_0, 100000, 0, tasks::mode_switch::kPend},
+    {&tasks::bold::state.every_0, 5000, 0, tasks::bold::kPend},
+    {&tasks::careful::state.every_0, 10000, 0, tasks::careful::kPend},
+    {&tasks::mode_switch::state.every_0, 100000, 0, tasks::mode_switch::kPend},
 };
 
 uint64_t pending[1];
@@ -44,6 +45,7 @@ constexpr unsigned kLevelBegin[] = {
 };
 
 void start_graph() {
+    topics::prepare();
     publish_parameters();
     modes::start();
 }

@@ -18,6 +18,8 @@ struct ModeSwitchPorts {
     uint64_t now = 0;  // us
     Fired fired{};
     Output<Mode> mode{};  // The mode from now on.
+
+    [[gnu::always_inline]] ~ModeSwitchPorts() = default;
 };
 
 }  // namespace stator

@@ -3,10 +3,17 @@
 
 #include "stator/task.hpp"
 
+// What each task keeps between activations, besides its node.
 namespace stator::tasks::bold {
 inline constexpr Pend kPend{0, 0x1};
-extern TaskCounters counters;
-extern TimerState every_0;
+struct State {
+    TaskCounters counters;
+    TimerState every_0;
+    uint32_t params_number;
+    ModeGate gate;
+    uint32_t every_0_start;
+};
+extern State state;
 void run();
 void enable();
 void disable();
@@ -14,14 +21,25 @@ void disable();
 
 namespace stator::tasks::adder {
 inline constexpr Pend kPend{0, 0x2};
-extern TaskCounters counters;
+struct State {
+    TaskCounters counters;
+    uint64_t now_us;
+    uint32_t count_number;
+};
+extern State state;
 void run();
 }  // namespace stator::tasks::adder
 
 namespace stator::tasks::careful {
 inline constexpr Pend kPend{0, 0x4};
-extern TaskCounters counters;
-extern TimerState every_0;
+struct State {
+    TaskCounters counters;
+    TimerState every_0;
+    uint32_t params_number;
+    ModeGate gate;
+    uint32_t every_0_start;
+};
+extern State state;
 void run();
 void enable();
 void disable();
@@ -29,8 +47,11 @@ void disable();
 
 namespace stator::tasks::mode_switch {
 inline constexpr Pend kPend{0, 0x8};
-extern TaskCounters counters;
-extern TimerState every_0;
+struct State {
+    TaskCounters counters;
+    TimerState every_0;
+};
+extern State state;
 void run();
 }  // namespace stator::tasks::mode_switch
 

@@ -20,6 +20,8 @@ struct CounterPorts {
     Fired fired{};
     Input<CounterParams> params{};
     Output<Count> count{};  // The number so far.
+
+    [[gnu::always_inline]] ~CounterPorts() = default;
 };
 
 }  // namespace stator

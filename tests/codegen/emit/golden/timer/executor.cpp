@@ -2,6 +2,7 @@
 #include "board.hpp"
 #include "stator/virtual.hpp"
 #include "tasks.hpp"
+#include "topics.hpp"
 
 namespace stator {
 
@@ -9,11 +10,11 @@ namespace {
 
 // Most urgent first.
 constexpr Task kTasks[] = {
-    {"counter", tasks::counter::run, &tasks::counter::counters, 0},
+    {"counter", tasks::counter::run, &tasks::counter::state.counters, 0},
 };
 
 constexpr Timer kTimers[] = {
-    {&tasks::counter::every_0, 10000, 2000, tasks::counter::kPend},
+    {&tasks::counter::state.every_0, 10000, 2000, tasks::counter::kPend},
 };
 
 uint64_t pending[1];
@@ -39,6 +40,7 @@ constexpr unsigned kLevelBegin[] = {
 };
 
 void start_graph() {
+    topics::prepare();
     publish_parameters();
 }
 

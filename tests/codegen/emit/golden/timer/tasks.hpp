@@ -3,10 +3,15 @@
 
 #include "stator/task.hpp"
 
+// What each task keeps between activations, besides its node.
 namespace stator::tasks::counter {
 inline constexpr Pend kPend{0, 0x1};
-extern TaskCounters counters;
-extern TimerState every_0;
+struct State {
+    TaskCounters counters;
+    TimerState every_0;
+    uint32_t params_number;
+};
+extern State state;
 void run();
 }  // namespace stator::tasks::counter
 

@@ -2,6 +2,7 @@
 #include "board.hpp"
 #include "stator/virtual.hpp"
 #include "tasks.hpp"
+#include "topics.hpp"
 
 namespace stator {
 
@@ -9,14 +10,14 @@ namespace {
 
 // Most urgent first.
 constexpr Task kTasks[] = {
-    {"fast", tasks::fast::run, &tasks::fast::counters, 0},
-    {"adder", tasks::adder::run, &tasks::adder::counters, 0},
-    {"slow", tasks::slow::run, &tasks::slow::counters, 2},
+    {"fast", tasks::fast::run, &tasks::fast::state.counters, 0},
+    {"adder", tasks::adder::run, &tasks::adder::state.counters, 0},
+    {"slow", tasks::slow::run, &tasks::slow::state.counters, 2},
 };
 
 constexpr Timer kTimers[] = {
-    {&tasks::fast::every_0, 10000, 0, tasks::fast::kPend},
-    {&tasks::slow::every_0, 200000, 0, tasks::slow::kPend},
+    {&tasks::fast::state.every_0, 10000, 0, tasks::fast::kPend},
+    {&tasks::slow::state.every_0, 200000, 0, tasks::slow::kPend},
 };
 
 uint64_t pending[1];
@@ -42,6 +43,7 @@ constexpr unsigned kLevelBegin[] = {
 };
 
 void start_graph() {
+    topics::prepare();
     publish_parameters();
 }
 

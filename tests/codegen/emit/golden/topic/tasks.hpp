@@ -3,23 +3,37 @@
 
 #include "stator/task.hpp"
 
+// What each task keeps between activations, besides its node.
 namespace stator::tasks::fast {
 inline constexpr Pend kPend{0, 0x1};
-extern TaskCounters counters;
-extern TimerState every_0;
+struct State {
+    TaskCounters counters;
+    TimerState every_0;
+    uint32_t params_number;
+};
+extern State state;
 void run();
 }  // namespace stator::tasks::fast
 
 namespace stator::tasks::adder {
 inline constexpr Pend kPend{0, 0x2};
-extern TaskCounters counters;
+struct State {
+    TaskCounters counters;
+    uint32_t count_number;
+    uint32_t extra_number;
+};
+extern State state;
 void run();
 }  // namespace stator::tasks::adder
 
 namespace stator::tasks::slow {
 inline constexpr Pend kPend{0, 0x4};
-extern TaskCounters counters;
-extern TimerState every_0;
+struct State {
+    TaskCounters counters;
+    TimerState every_0;
+    uint32_t params_number;
+};
+extern State state;
 void run();
 }  // namespace stator::tasks::slow
 

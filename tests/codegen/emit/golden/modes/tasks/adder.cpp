@@ -5,30 +5,27 @@
 
 namespace stator::tasks::adder {
 
-TaskCounters counters;
+constinit State state{};
 
 namespace {
 
 Adder node;
-uint64_t now_us = 0;
-uint32_t count_number = 0;
 
 }  // namespace
 
 void run() {
     AdderPorts ports;
     bool is_due = false;
-    ports.count.take_trigger(topics::count, count_number);
+    ports.count.take_latest(topics::count, state.count_number, 0, kNoAgeLimit, false);
     if (ports.count) {
         is_due = true;
-        now_us = later(now_us, ports.count->timestamp);
+        state.now_us = later(state.now_us, ports.count->timestamp);
     }
     if (!is_due) return;  // an earlier activation has served what pended this one
-    ports.now = now_us;
+    ports.now = state.now_us;
     node.step(ports);
-    ++counters.activations;
-    counters.lost_samples += ports.count.lost();
-    if (has_unread(topics::count, count_number)) set_pending(kPend);
+    ++state.counters.activations;
+    state.counters.lost_samples += ports.count.lost();
 }
 
 }  // namespace stator::tasks::adder

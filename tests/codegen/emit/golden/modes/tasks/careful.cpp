@@ -5,55 +5,48 @@
 
 namespace stator::tasks::careful {
 
-TaskCounters counters;
-TimerState every_0;
+constinit State state{};
 
 namespace {
 
 Counter node;
-uint64_t now_us = 0;
-uint32_t params_number = 0;
-
-ModeGate gate;
-uint32_t every_0_start = 0;
 
 // After a switch that started this task: a new node, newest samples as latest, queues empty.
 void begin_anew(uint32_t epoch) {
-    gate.seen = epoch;
+    state.gate.seen = epoch;
     node = Counter();
-    skip_to(every_0, every_0_start);
-    params_number = 0;
+    state.params_number = 0;
+    skip_to(state.every_0, state.every_0_start, 10000);
 }
 
 }  // namespace
 
 void run() {
-    const uint32_t epoch = gate.epoch.load();
+    const uint32_t epoch = state.gate.epoch.load();
     if (epoch % 2 == 0) return;  // not in this mode
-    if (epoch != gate.seen) begin_anew(epoch);
+    if (epoch != state.gate.seen) begin_anew(epoch);
     CounterPorts ports;
     bool is_due = false;
-    if (served_now(every_0)) {
+    if (served_now(state.every_0, 10000)) {
         is_due = true;
         ports.fired.timers |= 1U;
-        now_us = later(now_us, nominal_time_us(every_0, 10000, 0));
+        ports.now = nominal_time_us(state.every_0, 10000, 0);
     }
     if (!is_due) return;  // an earlier activation has served what pended this one
-    ports.now = now_us;
-    ports.params.take_latest(topics::careful_params, params_number, now_us);
-    ports.count.connect(topics::count, now_us, true);
+    ports.params.take_latest(topics::careful_params, state.params_number, ports.now, kNoAgeLimit, false);
+    ports.count.connect(topics::count, ports.now, true);
     node.step(ports);
-    ++counters.activations;
+    ++state.counters.activations;
 }
 
 void disable() {
-    gate.epoch.store(gate.epoch.load() + 1);
+    state.gate.epoch.store(state.gate.epoch.load() + 1);
     clear_pending(kPend);
 }
 
 void enable() {
-    every_0_start = every_0.fires.load();
-    gate.epoch.store(gate.epoch.load() + 1);
+    state.every_0_start = state.every_0.fires.load();
+    state.gate.epoch.store(state.gate.epoch.load() + 1);
     set_pending(kPend);  // a sample since `start` may have had its pend dropped
 }
 

@@ -5,29 +5,26 @@
 
 namespace stator::tasks::mode_switch {
 
-TaskCounters counters;
-TimerState every_0;
+constinit State state{};
 
 namespace {
 
 ModeSwitch node;
-uint64_t now_us = 0;
 
 }  // namespace
 
 void run() {
     ModeSwitchPorts ports;
     bool is_due = false;
-    if (served_now(every_0)) {
+    if (served_now(state.every_0, 100000)) {
         is_due = true;
         ports.fired.timers |= 1U;
-        now_us = later(now_us, nominal_time_us(every_0, 100000, 0));
+        ports.now = nominal_time_us(state.every_0, 100000, 0);
     }
     if (!is_due) return;  // an earlier activation has served what pended this one
-    ports.now = now_us;
-    ports.mode.connect(topics::mode, now_us, false);
+    ports.mode.connect(topics::mode, ports.now, false);
     node.step(ports);
-    ++counters.activations;
+    ++state.counters.activations;
     modes::follow();
 }
 

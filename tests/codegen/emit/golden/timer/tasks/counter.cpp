@@ -5,31 +5,27 @@
 
 namespace stator::tasks::counter {
 
-TaskCounters counters;
-TimerState every_0;
+constinit State state{};
 
 namespace {
 
 Counter node;
-uint64_t now_us = 0;
-uint32_t params_number = 0;
 
 }  // namespace
 
 void run() {
     CounterPorts ports;
     bool is_due = false;
-    if (served_now(every_0)) {
+    if (served_now(state.every_0, 10000)) {
         is_due = true;
         ports.fired.timers |= 1U;
-        now_us = later(now_us, nominal_time_us(every_0, 10000, 2000));
+        ports.now = nominal_time_us(state.every_0, 10000, 2000);
     }
     if (!is_due) return;  // an earlier activation has served what pended this one
-    ports.now = now_us;
-    ports.params.take_latest(topics::counter_params, params_number, now_us);
-    ports.count.connect(topics::count, now_us, false);
+    ports.params.take_latest(topics::counter_params, state.params_number, ports.now, kNoAgeLimit, false);
+    ports.count.connect(topics::count, ports.now, false);
     node.step(ports);
-    ++counters.activations;
+    ++state.counters.activations;
 }
 
 }  // namespace stator::tasks::counter

@@ -5,33 +5,28 @@
 
 namespace stator::tasks::adder {
 
-TaskCounters counters;
+constinit State state{};
 
 namespace {
 
 Adder node;
-uint64_t now_us = 0;
-uint32_t count_number = 0;
-uint32_t extra_number = 0;
 
 }  // namespace
 
 void run() {
     AdderPorts ports;
     bool is_due = false;
-    ports.count.take_trigger(topics::fast_count, count_number);
+    ports.count.take_latest(topics::fast_count, state.count_number, 0, kNoAgeLimit, false);
     if (ports.count) {
         is_due = true;
-        now_us = later(now_us, ports.count->timestamp);
+        ports.now = ports.count->timestamp;
     }
     if (!is_due) return;  // an earlier activation has served what pended this one
-    ports.now = now_us;
-    ports.extra.take_latest(topics::slow_count, extra_number, now_us, 50000);
-    ports.sum.connect(topics::sum, now_us, false);
+    ports.extra.take_latest(topics::slow_count, state.extra_number, ports.now, 50000, false);
+    ports.sum.connect(topics::sum, ports.now, false);
     node.step(ports);
-    ++counters.activations;
-    counters.lost_samples += ports.count.lost();
-    if (has_unread(topics::fast_count, count_number)) set_pending(kPend);
+    ++state.counters.activations;
+    state.counters.lost_samples += ports.count.lost();
 }
 
 }  // namespace stator::tasks::adder

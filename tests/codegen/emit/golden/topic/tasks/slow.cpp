@@ -5,31 +5,27 @@
 
 namespace stator::tasks::slow {
 
-TaskCounters counters;
-TimerState every_0;
+constinit State state{};
 
 namespace {
 
 Counter node;
-uint64_t now_us = 0;
-uint32_t params_number = 0;
 
 }  // namespace
 
 void run() {
     CounterPorts ports;
     bool is_due = false;
-    if (served_now(every_0)) {
+    if (served_now(state.every_0, 200000)) {
         is_due = true;
         ports.fired.timers |= 1U;
-        now_us = later(now_us, nominal_time_us(every_0, 200000, 0));
+        ports.now = nominal_time_us(state.every_0, 200000, 0);
     }
     if (!is_due) return;  // an earlier activation has served what pended this one
-    ports.now = now_us;
-    ports.params.take_latest(topics::slow_params, params_number, now_us);
-    ports.count.connect(topics::slow_count, now_us, true);
+    ports.params.take_latest(topics::slow_params, state.params_number, ports.now, kNoAgeLimit, false);
+    ports.count.connect(topics::slow_count, ports.now, true);
     node.step(ports);
-    ++counters.activations;
+    ++state.counters.activations;
 }
 
 }  // namespace stator::tasks::slow
