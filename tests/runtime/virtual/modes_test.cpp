@@ -101,8 +101,9 @@ TEST_F(ModesTest, switches_hold_under_preemption) {
     run_until(2'000'000);
     EXPECT_EQ(journal::torn, 0U);
     EXPECT_GE(journal::of(1).size(), 15U);
-    EXPECT_EQ(tasks::watcher::state.counters.lost_samples + tasks::watcher::state.counters.activations,
-              tasks::alpha::state.counters.activations + tasks::beta::state.counters.activations);
+    EXPECT_EQ(
+        tasks::watcher::state.counters.lost_samples + tasks::watcher::state.counters.activations,
+        tasks::alpha::state.counters.activations + tasks::beta::state.counters.activations);
 }
 
 }  // namespace
