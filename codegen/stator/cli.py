@@ -25,6 +25,7 @@ COMMANDS = {
     "build": "build a graph's firmware and show what it takes",
     "flash": "put a graph's firmware onto a board",
     "emulate": "fly a graph's firmware in an emulator and report",
+    "plot": "draw a flight from its log",
     "score": "score an estimator on recordings",
     "bench": "measure against peers, as ratios within one run",
     "test": "run every test",
@@ -38,6 +39,7 @@ MODULES = {
     "build": "stator.firmware",
     "flash": "stator.flash",
     "emulate": "stator.emulate",
+    "plot": "stator.plot",
     "score": "stator.score",
     "bench": "stator.bench",
 }

@@ -21,6 +21,7 @@ from stator.fly import (
     default_log,
     facts_of,
     flight_options,
+    keep,
     progress,
     report,
 )
@@ -77,6 +78,7 @@ def main(arguments: argparse.Namespace) -> int:
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["emulator"] = emulator.version
     facts["missed_samples"] = json.loads(finished.stdout)["missed_samples"]
+    keep(facts)
     if arguments.json:
         print(json.dumps(facts, indent=2))
     else:

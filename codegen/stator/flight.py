@@ -98,16 +98,16 @@ def read_truth(path: Path) -> Truth:
 
 def read_flight(log: ULog, truth: Truth, run: dict[str, object]) -> Flight:
     """`run` is what the program that flew has printed."""
-    attitude = _topic(log, "vehicle_attitude")
-    setpoint = _topic(log, "trajectory_setpoint")
-    status = _topic(log, "vehicle_status")
+    attitude = topic(log, "vehicle_attitude")
+    setpoint = topic(log, "trajectory_setpoint")
+    status = topic(log, "vehicle_status")
     return Flight(
         truth=truth,
-        attitude_time_s=_seconds(attitude["timestamp_sample"]),
-        attitude_q=_columns(attitude, "q", 4),
-        setpoint_time_s=_seconds(setpoint["timestamp"]),
-        setpoint=_columns(setpoint, "position", 3),
-        status_time_s=_seconds(status["timestamp"]),
+        attitude_time_s=seconds(attitude["timestamp_sample"]),
+        attitude_q=columns(attitude, indexed("q", 4)),
+        setpoint_time_s=seconds(setpoint["timestamp"]),
+        setpoint=columns(setpoint, indexed("position", 3)),
+        status_time_s=seconds(status["timestamp"]),
         nav_state=status["nav_state"].astype(np.int64),
         arming_state=status["arming_state"].astype(np.int64),
         landed=run.get("ended") == "motors_stopped",
@@ -246,20 +246,25 @@ def _ending(flight: Flight) -> str:
 # --- parts ---
 
 
-def _topic(log: ULog, name: str) -> dict[str, NDArray[np.generic]]:
+def topic(log: ULog, name: str) -> dict[str, NDArray[np.generic]]:
     for dataset in log.data_list:
         if dataset.name == name and dataset.multi_id == 0:
-            columns: dict[str, NDArray[np.generic]] = dataset.data
-            return columns
+            data: dict[str, NDArray[np.generic]] = dataset.data
+            return data
     raise UnreadableFlight(f"the log has no topic {name}, so the flight cannot be judged")
 
 
-def _seconds(time_us: NDArray[np.generic]) -> Floats:
+def seconds(time_us: NDArray[np.generic]) -> Floats:
     return time_us.astype(np.float64) * 1e-6
 
 
-def _columns(topic: dict[str, NDArray[np.generic]], name: str, count: int) -> Floats:
-    return np.column_stack([topic[f"{name}[{i}]"] for i in range(count)]).astype(np.float64)
+def indexed(name: str, count: int) -> list[str]:
+    """What pyulog calls the elements of an array."""
+    return [f"{name}[{i}]" for i in range(count)]
+
+
+def columns(data: dict[str, NDArray[np.generic]], names: list[str]) -> Floats:
+    return np.column_stack([data[name] for name in names]).astype(np.float64)
 
 
 def _number(run: dict[str, object], key: str) -> float | None:

@@ -144,11 +144,19 @@ def main(arguments: argparse.Namespace) -> int:
             return 2
         facts = facts_of(finished, log, truth)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
+    keep(facts)
     if arguments.json:
         print(json.dumps(facts, indent=2))
     else:
         report(facts)
     return 0 if facts["success"] else 1
+
+
+def keep(facts: dict[str, object]) -> None:
+    """The report, beside the log: `./stator plot` draws with it."""
+    log = Path(str(facts["log"]))
+    report = json.dumps(facts, indent=2) + "\n"
+    log.with_name(f"{log.name.removesuffix('.ulg')}.json").write_text(report, encoding="utf-8")
 
 
 def default_log(graph: Path, seed: int, kind: str = "") -> Path:

@@ -1,0 +1,361 @@
+"""What `./stator plot` does: one picture of a flight, from its log and, where there is one, from
+the record of the true flight beside it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stator.cli import path
+from stator.diagnostics import UserError, shown_path
+from stator.flight import (
+    NAV_STATES,
+    Floats,
+    Truth,
+    UnreadableFlight,
+    columns,
+    indexed,
+    read_truth,
+    seconds,
+    topic,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from pyulog import ULog
+
+FORMATS = (".png", ".svg", ".pdf")
+ROTORS = 4
+LEAST_MAP_M = 2.0
+# Colour-blind safe (Okabe and Ito), one a meaning throughout.
+# The truth is the wide line underneath, so that what was believed shows where it differs.
+TRUTH, ESTIMATE, SETPOINT, FAILED = "#b0b0b0", "#0072b2", "#e69f00", "#d55e00"
+TRUTH_WIDTH = 2.6
+LINES = ("#0072b2", "#e69f00", "#009e73", "#cc79a7")
+BANDS = ("#f0f0f0", "#dcebf5", "#e5f3e6", "#fdf1d8", "#f3e3ee", "#e8e8f8")
+
+
+@dataclass(frozen=True)
+class Series:
+    """One quantity over time; a column each."""
+
+    time_s: Floats
+    values: Floats
+
+
+@dataclass(frozen=True)
+class Flown:
+    """What the picture shows; None or empty for what the log does not have. Frame N, m, rad."""
+
+    title: str
+    truth: Truth | None
+    position: Series | None
+    setpoint: Series | None
+    attitude: Series | None  # q_NB
+    motors: Series | None
+    modes: list[tuple[float, float, str]]  # from, to, name
+    facts: dict[str, Any]  # what the flight's report said
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("log", type=path, help="a ULog file, such as build/flights/quad-seed1.ulg")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=path,
+        metavar="FILE",
+        help=f"{', '.join(FORMATS)} (default: beside the log, .png)",
+    )
+
+
+def main(arguments: argparse.Namespace) -> int:
+    output: Path = arguments.output or arguments.log.with_suffix(".png")
+    draw(arguments.log, output)
+    print(f"{shown_path(output)}: drawn")
+    return 0
+
+
+def draw(log: Path, output: Path) -> None:
+    """Raises `UserError` for a log or a name that will not do."""
+    if output.suffix not in FORMATS:
+        raise UserError(
+            f"error: '{output.name}' is no kind of picture\nhint: {', '.join(FORMATS)} are"
+        )
+    figure = _figure(read(log))
+    try:
+        # No date and no version: the same flight gives the same bytes.
+        metadata = {"Date": None} if output.suffix == ".svg" else {"Software": None}
+        output.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(output, metadata=metadata if output.suffix != ".pdf" else None)
+    except OSError as error:
+        raise UserError(f"error: cannot write '{output}': {error.strerror}") from None
+
+
+# --- reading ---
+
+
+def read(file: Path) -> Flown:
+    from pyulog import ULog
+
+    try:
+        log = ULog(str(file))
+    except FileNotFoundError:
+        raise UserError(
+            f"error: there is no log '{file}'\nhint: ./stator fly writes one, and says where"
+        ) from None
+    except Exception as error:  # whatever a broken file makes of the reader
+        raise UserError(f"error: '{file}' is no ULog file that can be read: {error}") from None
+    flown = Flown(
+        title=str(log.msg_info_dict.get("graph", file.stem)),
+        truth=_truth(file),
+        position=_series(log, "vehicle_local_position", ["x", "y", "z"]),
+        setpoint=_series(log, "trajectory_setpoint", indexed("position", 3)),
+        attitude=_series(log, "vehicle_attitude", indexed("q", 4)),
+        motors=_series(log, "actuator_motors", indexed("control", ROTORS)),
+        modes=list(_modes(log)),
+        facts=_facts(file),
+    )
+    if flown.position is None and flown.truth is None:
+        raise UserError(
+            f"error: '{file}' has no topic vehicle_local_position, so there is no path to draw\n"
+            "hint: does the graph log it? ./stator explain GRAPH vehicle_local_position"
+        )
+    return flown
+
+
+def _truth(file: Path) -> Truth | None:
+    truth = file.with_suffix(".truth")
+    try:
+        return read_truth(truth) if truth.is_file() else None
+    except UnreadableFlight as unreadable:
+        raise UserError(f"error: {unreadable}\nhint: remove it to draw the log alone") from None
+
+
+def _facts(file: Path) -> dict[str, Any]:
+    """The report that `fly` keeps beside the log."""
+    report = file.with_suffix(".json")
+    if not report.is_file():
+        return {}
+    facts: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
+    return facts
+
+
+def _series(log: ULog, name: str, names: list[str]) -> Series | None:
+    try:
+        data = topic(log, name)
+    except UnreadableFlight:
+        return None
+    return Series(seconds(data["timestamp"]), columns(data, names))
+
+
+def _modes(log: ULog) -> Iterator[tuple[float, float, str]]:
+    try:
+        status = topic(log, "vehicle_status")
+    except UnreadableFlight:
+        return
+    time_s = seconds(status["timestamp"])
+    state = status["nav_state"].astype(int)
+    edges = [0, *(np.flatnonzero(np.diff(state)) + 1), state.size]
+    for begin, end in pairwise(edges):
+        until = time_s[end] if end < state.size else time_s[-1]
+        number = int(state[begin])
+        yield float(time_s[begin]), float(until), NAV_STATES.get(number, f"mode {number}")
+
+
+# --- drawing ---
+
+
+def _figure(flown: Flown) -> Figure:
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    mpl.rcParams["svg.hashsalt"] = "stator"
+    from matplotlib import pyplot
+
+    figure = pyplot.figure(figsize=(12.0, 7.2), dpi=150, layout="constrained")
+    areas = figure.subplot_mosaic(
+        [["map", "altitude"], ["map", "attitude"], ["map", "error"], ["map", "motors"]],
+        width_ratios=[1.0, 1.3],
+    )
+    _draw_map(areas["map"], flown)
+    times = ["altitude", "attitude", "error", "motors"]
+    for name, paint in zip(times, (_altitude, _attitude, _error, _motors), strict=True):
+        _bands(areas[name], flown, named=name == times[0])
+        paint(areas[name], flown)
+        areas[name].sharex(areas[times[-1]])
+        areas[name].tick_params(labelbottom=name == times[-1])
+        areas[name].margins(x=0.0)
+        _legend(areas[name])
+    areas["motors"].set_xlabel("time (s)")
+    _title(figure, flown)
+    return figure
+
+
+def _title(figure: Figure, flown: Flown) -> None:
+    facts = flown.facts
+    if not facts:
+        figure.suptitle(flown.title)
+        return
+    good = bool(facts.get("success"))
+    text = f"{flown.title}, seed {facts.get('seed')}: "
+    text += str(facts.get("reason")) if good else f"FAILED: {facts.get('reason')}"
+    figure.suptitle(text, color="black" if good else FAILED, fontsize=11, wrap=True)
+
+
+def _draw_map(axes: Axes, flown: Flown) -> None:
+    if flown.truth is not None:
+        north, east, _ = flown.truth.position.T
+        axes.plot(east, north, color=TRUTH, lw=TRUTH_WIDTH, label="truth")
+        axes.plot(east[0], north[0], "o", color="black", ms=5, label="start", zorder=4)
+        axes.plot(east[-1], north[-1], "s", color="black", ms=5, label="end", zorder=4)
+    if flown.setpoint is not None:
+        north, east, _ = flown.setpoint.values.T
+        axes.plot(east, north, color=SETPOINT, lw=1.0, ls="--", label="setpoint")
+    if flown.position is not None:
+        north, east, _ = flown.position.values.T
+        axes.plot(east, north, color=ESTIMATE, lw=1.0, label="estimate")
+    for problem in flown.facts.get("problems", []):
+        if problem.get("position_m") is not None:
+            north_m, east_m, _ = problem["position_m"]
+            axes.plot(east_m, north_m, "X", color=FAILED, ms=9, zorder=5, label="limit broken")
+    _wind(axes, flown)
+    _square(axes)
+    axes.set_xlabel("east (m)")
+    axes.set_ylabel("north (m)")
+    axes.set_title("path", fontsize=10)
+    axes.grid(color="#e0e0e0", lw=0.5)
+    _legend(axes)
+
+
+def _square(axes: Axes) -> None:
+    """Metres alike both ways; a hover of centimetres is drawn as one, not blown up to the page."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    side = max(right - left, high - low, LEAST_MAP_M)
+    axes.set_xlim((left + right - side) / 2, (left + right + side) / 2)
+    axes.set_ylim((low + high - side) / 2, (low + high + side) / 2)
+    axes.set_aspect("equal")
+
+
+def _wind(axes: Axes, flown: Flown) -> None:
+    """An arrow the way the mean wind blows, with its speed."""
+    wind = float(flown.facts.get("wind_m_s") or 0.0)
+    if wind == 0.0:
+        return
+    to = np.radians(float(flown.facts.get("wind_from_deg") or 0.0) + 180.0)
+    step = 0.06 * np.array([np.sin(to), np.cos(to)])
+    middle = np.array([0.9, 0.1])
+    axes.annotate(
+        "",
+        xy=tuple(middle + step),
+        xytext=tuple(middle - step),
+        xycoords="axes fraction",
+        arrowprops={"arrowstyle": "-|>", "color": "#555555", "lw": 1.5},
+    )
+    axes.text(0.9, 0.02, f"wind {wind:g} m/s", transform=axes.transAxes, ha="center", fontsize=8)
+
+
+def _altitude(axes: Axes, flown: Flown) -> None:
+    if flown.truth is not None:
+        time_s, down = flown.truth.time_s, flown.truth.position[:, 2]
+        axes.plot(time_s, -down, color=TRUTH, lw=TRUTH_WIDTH)
+    if flown.setpoint is not None:
+        axes.plot(flown.setpoint.time_s, -flown.setpoint.values[:, 2], "--", color=SETPOINT, lw=1.0)
+    if flown.position is not None:
+        axes.plot(flown.position.time_s, -flown.position.values[:, 2], color=ESTIMATE, lw=1.0)
+    axes.set_ylabel("altitude (m)")
+
+
+def _attitude(axes: Axes, flown: Flown) -> None:
+    if flown.truth is not None:
+        for angle in _euler_deg(flown.truth.q).T:
+            axes.plot(flown.truth.time_s, angle, color=TRUTH, lw=TRUTH_WIDTH)
+    if flown.attitude is not None:
+        angles = _euler_deg(flown.attitude.values)
+        for name, angle, color in zip(("roll", "pitch", "yaw"), angles.T, LINES, strict=False):
+            axes.plot(flown.attitude.time_s, angle, color=color, lw=1.0, label=name)
+    axes.set_ylabel("attitude (deg)")
+
+
+def _error(axes: Axes, flown: Flown) -> None:
+    """Distance from the setpoint in the air, of what was and of what was believed."""
+    axes.set_ylabel("off setpoint (m)")
+    if flown.setpoint is None:
+        return
+    if flown.truth is not None:
+        true = Series(flown.truth.time_s, flown.truth.position)
+        axes.plot(*_distance(flown, flown.setpoint, true), color=TRUTH, lw=TRUTH_WIDTH)
+    if flown.position is not None:
+        axes.plot(*_distance(flown, flown.setpoint, flown.position), color=ESTIMATE, lw=1.0)
+    for problem in flown.facts.get("problems", []):
+        if problem.get("time_s") is not None:
+            axes.axvline(problem["time_s"], color=FAILED, lw=1.5)
+    axes.set_ylim(bottom=0.0)
+
+
+def _distance(flown: Flown, setpoint: Series, position: Series) -> tuple[Floats, Floats]:
+    index = np.searchsorted(setpoint.time_s, position.time_s, side="right") - 1
+    known = (index >= 0) & (position.time_s < (flown.facts.get("touchdown_s") or np.inf))
+    off = position.values[known] - setpoint.values[index[known]]
+    # A coordinate without a setpoint is free.
+    free = np.isnan(off).all(axis=1)
+    length = np.linalg.norm(np.nan_to_num(off), axis=1)
+    length[free] = np.nan
+    return position.time_s[known], length
+
+
+def _motors(axes: Axes, flown: Flown) -> None:
+    axes.set_ylabel("motors (%)")
+    if flown.motors is None:
+        return
+    for rotor, command in enumerate(flown.motors.values.T):
+        axes.plot(
+            flown.motors.time_s, 100.0 * command, color=LINES[rotor], lw=0.8, label=str(rotor + 1)
+        )
+    axes.set_ylim(0.0, 100.0)
+
+
+def _bands(axes: Axes, flown: Flown, *, named: bool) -> None:
+    """The flight modes behind the curves, each in its own shade."""
+    shades = {name: BANDS[i % len(BANDS)] for i, name in enumerate(_names(flown))}
+    whole = flown.modes[-1][1] - flown.modes[0][0] if flown.modes else 0.0
+    for begin, end, name in flown.modes:
+        axes.axvspan(begin, end, color=shades[name], lw=0.0, zorder=0)
+        if named and end - begin > 0.04 * whole:
+            axes.text(
+                (begin + end) / 2,
+                1.02,
+                name,
+                transform=axes.get_xaxis_transform(),
+                ha="center",
+                fontsize=8,
+            )
+
+
+def _names(flown: Flown) -> list[str]:
+    return list(dict.fromkeys(name for _, _, name in flown.modes))
+
+
+def _legend(axes: Axes) -> None:
+    handles, labels = axes.get_legend_handles_labels()
+    once = dict(zip(labels, handles, strict=True))
+    if once:
+        axes.legend(once.values(), once.keys(), fontsize=7, ncols=len(once), loc="upper right")
+
+
+def _euler_deg(q: Floats) -> Floats:
+    """Roll, pitch, yaw of q_NB (w x y z), for people."""
+    w, x, y, z = q.T
+    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1.0, 1.0))
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    angles: Floats = np.degrees(np.column_stack([roll, pitch, yaw]))
+    return angles
