@@ -21,6 +21,7 @@ COMMANDS = {
     "gen": "write the C++ of a graph",
     "graph": "draw a graph",
     "explain": "say why a node runs when and where it does",
+    "new": "write a new app or graph",
     "fly": "fly a graph in simulation and report",
     "build": "build a graph's firmware and show what it takes",
     "flash": "put a graph's firmware onto a board",
@@ -35,6 +36,7 @@ COMMANDS = {
 }
 # Commands that have a module of their own, and those that read their arguments themselves.
 MODULES = {
+    "new": "stator.new",
     "fly": "stator.fly",
     "build": "stator.firmware",
     "flash": "stator.flash",
@@ -270,12 +272,20 @@ def _picture(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _no_arguments(parser: argparse.ArgumentParser) -> None:
-    pass
+def _schema_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--reference", action="store_true", help="print docs/reference.md, for people, instead"
+    )
 
 
 def _schema(arguments: argparse.Namespace) -> int:
     from stator.json_schema import graph_schema
+
+    if arguments.reference:
+        from stator.reference import reference
+
+        print(reference(), end="")
+        return 0
 
     print(json.dumps(graph_schema(), indent=2))
     return 0
@@ -288,5 +298,5 @@ _HERE: dict[
     "gen": (_gen_arguments, _gen),
     "explain": (_explain_arguments, _explain),
     "graph": (_picture_arguments, _picture),
-    "schema": (_no_arguments, _schema),
+    "schema": (_schema_arguments, _schema),
 }

@@ -1,0 +1,58 @@
+"""`./stator new`: what it writes builds and flies as it is, and nothing is ever replaced."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from pyulog import ULog
+
+from stator import cli
+
+
+def test_a_new_app_in_a_new_graph_flies_as_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["new", "app", "lean_alarm"]) == 0
+    assert "next: ./stator new graph lean_alarm_quad --app lean_alarm" in capsys.readouterr().out
+    assert cli.main(["new", "graph", "lean_alarm_quad", "--app", "lean_alarm"]) == 0
+    assert "next: ./stator fly lean_alarm_quad.yaml" in capsys.readouterr().out
+    assert cli.main(["fly", "lean_alarm_quad.yaml", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    parameters = ULog(facts["log"]).initial_parameters
+    assert parameters["lean_alarm.limit"] == 0.5
+
+
+def test_a_new_graph_is_good(tmp_path: Path) -> None:
+    assert cli.main(["new", "graph", "racer", "--in", str(tmp_path)]) == 0
+    assert cli.main(["check", str(tmp_path / "racer.yaml")]) == 0
+
+
+def test_nothing_is_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    header = tmp_path / "apps" / "lean_alarm" / "lean_alarm.hpp"
+    header.parent.mkdir(parents=True)
+    header.write_text("mine")
+    assert cli.main(["new", "app", "lean_alarm", "--in", str(tmp_path)]) == 1
+    assert "is there already" in capsys.readouterr().err
+    assert header.read_text() == "mine"
+    assert [path.name for path in header.parent.iterdir()] == ["lean_alarm.hpp"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["app", "Lean"], "error: 'Lean' is no name"),
+        (["app", "../up"], "error: '../up' is no name"),
+        (["app", "while"], "error: 'while' cannot be the name: it is a word of C++"),
+        (["app", "topic"], "error: 'topic' cannot be the name: the runtime has taken it"),
+        (["graph", "racer", "--app", "absent"], "error: there is no app 'absent' in "),
+    ],
+)
+def test_what_cannot_be_made(
+    arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["new", *arguments, "--in", str(tmp_path)]) == 1
+    assert capsys.readouterr().err.startswith(message)
+    assert list(tmp_path.iterdir()) == []
