@@ -14,18 +14,16 @@ if TYPE_CHECKING:
 FILES = {
     "graph": ("Graph", "`graph/*.yaml`: what runs, what wakes it, how urgent it is."),
     "message": ("Message", "`graph/messages/NAME.yaml`: one type of sample."),
-    "interface": (
-        "Interface",
-        "`apps/NAME/NAME.yaml`, `drivers/CLASS/CLASS.yaml`: ports of a node.",
-    ),
+    "interface": ("Interface", "`NAME.yaml` of an app or a device class: a node's ports."),
     "board": ("Board", "`boards/NAME/board.yaml`: what a graph runs on."),
     "chip": ("Chip", "`boards/FAMILY/CHIP.yaml`: what all boards with it share."),
     "budgets": ("Budgets", "`graph/budgets/BOARD.yaml`: execution times as measured there."),
 }
 HEAD = """# The language
 
-Made by `./stator schema --reference` from the description that the checker uses. A dot goes one mapping deeper, NAME stands for a name of yours, and
-[] for each entry of a list. **Bold** keys must be there. `./stator schema` prints the same for editors, as JSON Schema.
+Made by `./stator schema --reference` from the description that the checker uses. A dot goes one
+mapping deeper, NAME stands for a name of yours, and [] for each entry of a list. **Bold** keys must
+be there. `./stator schema` prints the same for editors, as JSON Schema.
 """
 TIME = "us|ms|s|min"
 
@@ -82,7 +80,7 @@ def _value(item: dict[str, Any]) -> str:
         return f"list of {_value(item['items'])}" if item.get("items") else "list"
     if kind == "string":
         return _text(item.get("pattern", ""))
-    return "true or false" if kind == "boolean" else "value"
+    return "true or false" if kind == "boolean" else "text or number"
 
 
 def _range(what: str, item: dict[str, Any]) -> str:
