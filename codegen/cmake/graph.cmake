@@ -30,11 +30,11 @@ function(stator_add_graph_parts target graph board)
     set(folder "${CMAKE_BINARY_DIR}/generated/${target}")
     stator_generate("${folder}" "${graph}" "${board}")
 
-    # What apps and drivers may include: their own folder, their ports, topics, maths.
+    # What apps and drivers may include: their own folder, their ports, topics, maths, DroneCAN.
     add_library(${target}_interfaces INTERFACE)
     target_include_directories(${target}_interfaces INTERFACE "${folder}")
     target_link_libraries(${target}_interfaces
-        INTERFACE stator_flags stator_core stator_math stator_${graph_executor})
+        INTERFACE stator_flags stator_core stator_math stator_dronecan stator_${graph_executor})
 
     set(libraries)
     foreach(entry IN LISTS graph_libraries)

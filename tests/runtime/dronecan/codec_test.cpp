@@ -1,0 +1,101 @@
+// Every generated codec, and the cutting into frames, against another implementation, byte for
+// byte.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "every_type.hpp"
+#include "stator/dronecan/receiver.hpp"
+#include "stator/dronecan/sender.hpp"
+
+namespace stator::dronecan {
+namespace {
+
+// How vectors.inc numbers what it sends.
+Header header_of(const DataType& type, int number) {
+    const bool service = type.kind != DataType::Kind::kMessage;
+    return {.kind = type.kind,
+            .priority = static_cast<uint8_t>(number * 6),
+            .type_id = type.id,
+            .source = static_cast<uint8_t>(1 + number * 25),
+            .destination = static_cast<uint8_t>(service ? 127 - number : 0)};
+}
+
+template <class Message>
+void check_codec(const Message& value, const std::vector<uint8_t>& payload) {
+    std::array<uint8_t, Message::kType.most_bytes> bytes;
+    const std::size_t length = encode(value, bytes);
+    EXPECT_EQ(std::vector<uint8_t>(bytes.begin(), bytes.begin() + length), payload);
+    Message read;
+    ASSERT_TRUE(decode(payload, read));
+    EXPECT_TRUE(read == value);
+    for (std::size_t cut = 0; cut < payload.size(); ++cut) {
+        static_cast<void>(decode(std::span(payload).first(cut), read));  // ends, whatever it says
+    }
+}
+
+template <class Message>
+void check(const Message& value, const std::vector<uint8_t>& payload,
+           const std::vector<Frame>& frames, int number) {
+    check_codec(value, payload);
+    const Header header = header_of(Message::kType, number);
+    const auto transfer_id = static_cast<uint8_t>(number * 7 % kTransferIds);
+
+    Sender<Message::kType.most_bytes> sender;
+    sender.begin(header, transfer_id, value);
+    std::vector<Frame> sent;
+    for (Frame frame; sender.next(frame);) sent.push_back(frame);
+    EXPECT_EQ(sent, frames);
+
+    const Wanted wanted = want<Message>(1000);
+    Receiver<1, Message::kType.most_bytes> receiver({&wanted, 1});
+    NodeSet all;
+    all.add_range(0, kMostNodeId);
+    receiver.allow(all);
+    receiver.set_own_id(header.destination);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        ASSERT_EQ(receiver.accept(frames[i], 1000 * i), i + 1 == frames.size()) << "frame " << i;
+    }
+    EXPECT_EQ(receiver.header(), header);
+    EXPECT_EQ(receiver.transfer_id(), transfer_id);
+    const auto got = receiver.payload();
+    EXPECT_EQ(std::vector<uint8_t>(got.begin(), got.end()), payload);
+    EXPECT_EQ(receiver.counters().rejected(), 0U);
+}
+
+#include "vectors.inc"
+
+TEST(DroneCanCodec, clamps_what_does_not_fit) {
+    equipment::esc::RawCommand command;
+    command.cmd.assign(std::array<int16_t, 3>{8191, 32767, -32768});
+    std::array<uint8_t, equipment::esc::RawCommand::kType.most_bytes> bytes;
+    const std::size_t length = encode(command, bytes);
+    equipment::esc::RawCommand read;
+    ASSERT_TRUE(decode(std::span(bytes).first(length), read));
+    EXPECT_EQ(read.cmd.count, 3);
+    EXPECT_EQ(read.cmd.items[1], 8191);
+    EXPECT_EQ(read.cmd.items[2], -8192);
+}
+
+TEST(DroneCanCodec, refuses_bytes_too_many_and_too_few) {
+    std::array<uint8_t, 8> bytes{};
+    protocol::NodeStatus status;
+    EXPECT_TRUE(decode(std::span(bytes).first(7), status));
+    EXPECT_FALSE(decode(std::span(bytes).first(6), status));
+    EXPECT_FALSE(decode(std::span(bytes).first(8), status));
+}
+
+TEST(DroneCanCodec, refuses_a_union_of_no_kind_and_an_array_too_long) {
+    protocol::param::GetSet::Request request;
+    EXPECT_TRUE(decode(std::array<uint8_t, 2>{0, 0}, request));
+    EXPECT_FALSE(decode(std::array<uint8_t, 2>{0, 0x07}, request));  // tag 7 of 5
+    // A string of 200 characters where 128 fit.
+    std::array<uint8_t, 210> text{0, 0x04, 200};
+    EXPECT_FALSE(decode(text, request));
+    text[2] = 128;
+    EXPECT_TRUE(decode(std::span(text).first(3 + 128), request));
+}
+
+}  // namespace
+}  // namespace stator::dronecan
