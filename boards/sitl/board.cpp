@@ -1,8 +1,10 @@
 // Ties the simulated world to virtual time and to the devices that drivers see.
 #include "board.hpp"
 
+#include <algorithm>
 #include <optional>
 
+#include "can_parts.hpp"
 #include "fill.hpp"
 #include "truth.hpp"
 
@@ -21,17 +23,54 @@ Line gnss0_received;
 RadioSim::Device radio0;
 Line radio0_received;
 BatterySim::Device battery0;
+CanSim::Device can1;
+Line can1_received;
+Line can1_sent;
+Line can1_changed;
 StorageFile::Device log_storage;
 
 namespace {
 
 std::optional<World> the_world;
+CanBus can_bus;
+CanParts can_parts;
 std::FILE* truth_file = nullptr;
 bool truth_was_written = true;
 
 // The register write of the motor driver. Time may have passed since the newest event.
 void write_motors(const MotorSim::Control& control) {
     the_world->command_motors(executor.now_us, {control[0], control[1], control[2], control[3]});
+}
+
+void send_on_can(const CanSim::Frame& frame) {
+    can_bus.send({.id = frame.id, .length = frame.length, .data = frame.data},
+                 CanBus::Sender::kVehicle, executor.now_us);
+}
+
+// The end of a frame on the bus: everybody but its sender has it.
+void finish_can_frame() {
+    const CanBus::Sent sent = can_bus.finish();
+    if (sent.sender == CanBus::Sender::kVehicle) {
+        const auto control = can_parts.receive(sent.frame, sent.end_us);
+        if (control) the_world->command_motors(sent.end_us, *control);
+        can1_sent.raise();
+        return;
+    }
+    can1.receive({.timestamp_sample = sent.end_us,
+                  .id = sent.frame.id,
+                  .length = sent.frame.length,
+                  .data = sent.frame.data});
+    can1_received.raise();
+}
+
+void run_can_parts(const std::optional<GnssFix>& fix) {
+    can_parts.run(*the_world, fix, can_bus);
+    const std::uint64_t now_us = the_world->plant().time_us();
+    if (can_parts.times_out(now_us)) {
+        CanParts::Control stopped;
+        stopped.fill(math::canonical_nan<float>());
+        the_world->command_motors(now_us, stopped);
+    }
 }
 
 void hand_over(const World::Event& event, std::uint64_t now_us) {
@@ -75,6 +114,7 @@ void prepare(const Conditions& conditions, std::FILE* truth) {
     the_world.emplace(conditions);
     truth_file = truth;
     motors.write = write_motors;
+    can1.send = send_on_can;
 }
 
 const World& world() {
@@ -85,13 +125,18 @@ bool truth_is_whole() {
 }
 
 std::uint64_t next_event_us() {
-    return the_world->next_event_us();
+    return std::min(the_world->next_event_us(), can_bus.next_event_us());
 }
 
 void advance(std::uint64_t now_us) {
-    while (the_world->next_event_us() <= now_us) {
+    while (next_event_us() <= now_us) {
+        if (can_bus.next_event_us() < the_world->next_event_us()) {
+            finish_can_frame();
+            continue;
+        }
         const World::Event event = the_world->move_to_next_event();
         hand_over(event, the_world->plant().time_us());
+        run_can_parts(event.gnss);
         record_truth();
     }
     if (the_world->is_over()) stop();

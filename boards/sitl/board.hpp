@@ -6,6 +6,7 @@
 
 #include "baro_sim.hpp"
 #include "battery_sim.hpp"
+#include "can_sim.hpp"
 #include "gnss_sim.hpp"
 #include "imu_sim.hpp"
 #include "mag_sim.hpp"
@@ -31,6 +32,10 @@ extern Line gnss0_received;
 extern RadioSim::Device radio0;
 extern Line radio0_received;
 extern BatterySim::Device battery0;
+extern CanSim::Device can1;
+extern Line can1_received;
+extern Line can1_sent;
+extern Line can1_changed;
 extern StorageFile::Device log_storage;
 
 // Before the graph starts: makes the world. `truth` takes the true flight; may be null.

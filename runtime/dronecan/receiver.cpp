@@ -172,6 +172,7 @@ bool ReceiverCore::finish(Session& session, const Wanted& wanted, std::span<cons
     }
     session.complete = true;
     transfer_id_ = session.transfer_id;
+    begun_us_ = session.started_us;
     ++counters_.transfers;
     return true;
 }

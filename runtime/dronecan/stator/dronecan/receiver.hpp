@@ -94,6 +94,7 @@ class ReceiverCore {
     const Header& header() const { return header_; }
     uint8_t transfer_id() const { return transfer_id_; }
     std::span<const uint8_t> payload() const { return payload_; }
+    uint64_t begun_us() const { return begun_us_; }  // when its first frame came
     template <class Message>
     bool is() const {
         return header_.kind == Message::kType.kind &&
@@ -122,6 +123,7 @@ class ReceiverCore {
     NodeSet allowed_;
     Header header_;
     std::span<const uint8_t> payload_;
+    uint64_t begun_us_ = 0;
     uint8_t own_id_ = 0;
     uint8_t transfer_id_ = 0;
 };

@@ -1,0 +1,62 @@
+// Gives ids to parts on the bus that have none.
+#include "allocator.hpp"
+
+#include "stator/dronecan/crc.hpp"
+
+namespace stator {
+
+namespace {
+
+constexpr uint64_t kFollowUp_us = 1000 * Allocator::Message::kFollowupTimeoutMs;
+
+}  // namespace
+
+void Allocator::set_range(int32_t first, int32_t last) {
+    first_ = first;
+    last_ = last;
+}
+
+// Adds a piece to what is collected; false if it does not continue that.
+bool Allocator::collect(const Message& request, uint64_t now_us) {
+    if (now_us - collected_us_ > kFollowUp_us) count_ = 0;
+    if (request.first_part_of_unique_id) count_ = 0;
+    const unsigned left = kUniqueIdBytes - count_;
+    const unsigned most = Message::kMaxLengthOfUniqueIdInRequest;
+    const bool in_turn = request.first_part_of_unique_id || count_ != 0;
+    if (!in_turn || request.unique_id.count != (left < most ? left : most)) return false;
+    for (const uint8_t byte : request.unique_id.view()) collected_[count_++] = byte;
+    collected_us_ = now_us;
+    return true;
+}
+
+// The id of the part whose unique id is collected: the one it had, the one it prefers if that is
+// free, or the next free one from where its unique id points. 0 if all are taken.
+uint8_t Allocator::find(uint8_t preferred) {
+    for (int32_t id = first_; id <= last_; ++id) {
+        if (owners_[static_cast<unsigned>(id)] == collected_) return static_cast<uint8_t>(id);
+    }
+    if (preferred >= first_ && preferred <= last_ && !taken_.has(preferred)) return preferred;
+    const int32_t count = last_ - first_ + 1;
+    if (count <= 0) return 0;
+    const int32_t start = dronecan::crc16(0xFFFF, collected_) % count;
+    for (int32_t i = 0; i < count; ++i) {
+        const auto id = static_cast<uint8_t>(first_ + (start + i) % count);
+        if (!taken_.has(id)) return id;
+    }
+    return 0;
+}
+
+std::optional<Allocator::Message> Allocator::answer(const Message& request, uint64_t now_us) {
+    if (!collect(request, now_us)) return std::nullopt;
+    Message answer;
+    answer.unique_id.assign(std::span(collected_).first(count_));
+    if (count_ < kUniqueIdBytes) return answer;
+    count_ = 0;
+    answer.node_id = collected_ == UniqueId{} ? uint8_t{0} : find(request.node_id);
+    if (answer.node_id == 0) return std::nullopt;
+    owners_[answer.node_id] = collected_;
+    taken_.add(answer.node_id);
+    return answer;
+}
+
+}  // namespace stator

@@ -1,0 +1,152 @@
+// This vehicle as a node of a DroneCAN bus.
+#include "dronecan_node.hpp"
+
+#include <string_view>
+
+#include "stator/dronecan/port.hpp"
+#include "stator/scalar.hpp"
+
+namespace stator {
+
+namespace {
+
+using dronecan::protocol::GetNodeInfo;
+using dronecan::protocol::NodeStatus;
+using dronecan::protocol::RestartNode;
+using dronecan::protocol::param::GetSet;
+
+constexpr std::string_view kName = "org.stator.vehicle";
+constexpr uint64_t kStatusPeriod_us = 1'000'000;
+constexpr unsigned kFramesPerRelease = 4;
+constexpr uint8_t kStatusPriority = 16;
+constexpr uint8_t kAllocationPriority = 30;
+// Of one node. A GetSet request takes up to 33 frames.
+constexpr std::array kWanted{dronecan::want<NodeStatus>(20), dronecan::want<Allocator::Message>(50),
+                             dronecan::want<GetNodeInfo::Request>(20),
+                             dronecan::want<GetSet::Request>(2000),
+                             dronecan::want<RestartNode::Request>(5)};
+
+bool is_disarmed(const DronecanNodePorts& ports) {
+    return ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kDisarmed;
+}
+
+}  // namespace
+
+DronecanNode::DronecanNode() : receiver_(kWanted) {}
+
+void DronecanNode::configure(const DronecanNodeParams& params) {
+    dronecan::NodeSet nodes;
+    nodes.add_range(params.first_node, params.last_node);
+    nodes.add(0);  // parts that have no id yet
+    receiver_.allow(nodes);
+    node_id_ = static_cast<uint8_t>(params.node_id);
+    receiver_.set_own_id(node_id_);
+    tool_ = static_cast<uint8_t>(params.tool);
+    allocator_.set_range(params.first_given, params.last_given);
+    allocator_.note_taken(node_id_);
+    for (unsigned i = 0; i < serial_number_.size(); ++i) {
+        serial_number_[i] = static_cast<uint8_t>(params.serial_number >> (8 * i));
+    }
+}
+
+NodeStatus DronecanNode::status(uint64_t now_us) const {
+    return {.uptime_sec = math::saturate<uint32_t>(static_cast<double>(now_us / 1'000'000))};
+}
+
+template <class Message>
+bool DronecanNode::read(Message& message) {
+    if (dronecan::decode(receiver_.payload(), message)) return true;
+    receiver_.count_undecodable();
+    return false;
+}
+
+// As the protocol wants it: with the request's priority and transfer id.
+template <class Response>
+void DronecanNode::respond(const Response& response) {
+    if (response_sender_.is_busy()) return;
+    const dronecan::Header& request = receiver_.header();
+    response_sender_.begin(
+        {.priority = request.priority, .source = node_id_, .destination = request.source},
+        receiver_.transfer_id(), response);
+}
+
+void DronecanNode::handle_allocation(DronecanNodePorts& ports) {
+    Allocator::Message request;
+    // With a sender, it is another allocator's.
+    if (!read(request) || receiver_.header().source != 0) return;
+    if (!is_disarmed(ports) || allocation_sender_.is_busy()) return;
+    const auto answer = allocator_.answer(request, ports.now);
+    if (!answer) return;
+    allocation_sender_.begin({.priority = kAllocationPriority, .source = node_id_}, allocation_id_,
+                             *answer);
+    allocation_id_ = static_cast<uint8_t>((allocation_id_ + 1) % dronecan::kTransferIds);
+    if (answer->node_id == 0) return;
+    ports.allocation.publish([&] {
+        return CanAllocation{.node_id = answer->node_id, .unique_id = allocator_.unique_id()};
+    });
+}
+
+void DronecanNode::handle_info_request(uint64_t now_us) {
+    GetNodeInfo::Request request;
+    if (!read(request)) return;
+    GetNodeInfo::Response info;
+    info.status = status(now_us);
+    info.software_version.major = 1;
+    for (unsigned i = 0; i < serial_number_.size(); ++i) {
+        info.hardware_version.unique_id[i] = serial_number_[i];
+    }
+    info.name.assign(kName);
+    respond(info);
+}
+
+void DronecanNode::handle_restart_request(DronecanNodePorts& ports) {
+    RestartNode::Request request;
+    if (!read(request)) return;
+    const uint8_t source = receiver_.header().source;
+    const bool granted = request.magic_number == RestartNode::Request::kMagicNumber &&
+                         source == tool_ && is_disarmed(ports) && ports.restart.is_connected();
+    respond(RestartNode::Response{.ok = granted});
+    if (granted) ports.restart.publish([&] { return RestartRequest{.source = source}; });
+}
+
+void DronecanNode::handle(DronecanNodePorts& ports) {
+    if (receiver_.is<NodeStatus>()) {
+        allocator_.note_taken(receiver_.header().source);
+    } else if (receiver_.is<Allocator::Message>()) {
+        handle_allocation(ports);
+    } else if (receiver_.is<GetNodeInfo::Request>()) {
+        handle_info_request(ports.now);
+    } else if (receiver_.is<RestartNode::Request>()) {
+        handle_restart_request(ports);
+    }
+}
+
+void DronecanNode::receive(DronecanNodePorts& ports) {
+    dronecan::Frame frame;
+    if (!dronecan::from_topic(*ports.can, frame)) return;
+    if (receiver_.accept(frame, ports.can->timestamp)) handle(ports);
+}
+
+void DronecanNode::send_waiting(DronecanNodePorts& ports) {
+    dronecan::Frame frame;
+    for (unsigned i = 0; i < kFramesPerRelease; ++i) {
+        const bool some = status_sender_.next(frame) || allocation_sender_.next(frame) ||
+                          response_sender_.next(frame);
+        if (!some) return;
+        ports.frames.publish([&] { return dronecan::to_topic<CanFrame>(frame, ports.now); });
+    }
+}
+
+void DronecanNode::step(DronecanNodePorts& ports) {
+    if (ports.params.is_new()) configure(*ports.params);
+    while (ports.can.next()) receive(ports);
+    if (ports.now >= next_status_us_) {
+        next_status_us_ = ports.now + kStatusPeriod_us;
+        status_sender_.begin({.priority = kStatusPriority, .source = node_id_}, status_id_,
+                             status(ports.now));
+        status_id_ = static_cast<uint8_t>((status_id_ + 1) % dronecan::kTransferIds);
+    }
+    send_waiting(ports);
+}
+
+}  // namespace stator

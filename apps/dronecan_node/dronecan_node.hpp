@@ -1,0 +1,60 @@
+// This vehicle as a node of a DroneCAN bus: NodeStatus, GetNodeInfo, allocation of ids, parameters
+// (GetSet), RestartNode.
+#pragma once
+
+#include "allocator.hpp"
+#include "dronecan/protocol/get_node_info.hpp"
+#include "dronecan/protocol/node_status.hpp"
+#include "dronecan/protocol/param/get_set.hpp"
+#include "dronecan/protocol/restart_node.hpp"
+#include "dronecan_node_ports.hpp"
+#include "stator/dronecan/receiver.hpp"
+#include "stator/dronecan/sender.hpp"
+
+namespace stator {
+
+// Sends at most 4 frames in each activation, by a timer, so that a long answer leaves room on
+// the bus. One answer at a time: what is asked meanwhile goes unanswered, and whoever asked asks
+// again. Without a status the vehicle counts as armed: then nothing can be changed, and no id is
+// given away.
+class DronecanNode {
+  public:
+    DronecanNode();
+    void step(DronecanNodePorts& ports);
+    const dronecan::ReceiverCounters& counters() const { return receiver_.counters(); }
+
+  private:
+    using GetNodeInfo = dronecan::protocol::GetNodeInfo;
+    using GetSet = dronecan::protocol::param::GetSet;
+    using NodeStatus = dronecan::protocol::NodeStatus;
+    using RestartNode = dronecan::protocol::RestartNode;
+    static constexpr unsigned kSessions = 48;
+    static constexpr unsigned kMostRequest = GetSet::Request::kType.most_bytes;
+
+    void configure(const DronecanNodeParams& params);
+    void receive(DronecanNodePorts& ports);
+    void handle(DronecanNodePorts& ports);
+    void handle_allocation(DronecanNodePorts& ports);
+    void handle_info_request(uint64_t now_us);
+    void handle_restart_request(DronecanNodePorts& ports);
+    NodeStatus status(uint64_t now_us) const;
+    void send_waiting(DronecanNodePorts& ports);
+    template <class Message>
+    bool read(Message& message);
+    template <class Response>
+    void respond(const Response& response);
+
+    dronecan::Receiver<kSessions, kMostRequest> receiver_;
+    Allocator allocator_;
+    dronecan::Sender<NodeStatus::kType.most_bytes> status_sender_;
+    dronecan::Sender<Allocator::Message::kType.most_bytes> allocation_sender_;
+    dronecan::Sender<GetNodeInfo::Response::kType.most_bytes> response_sender_;
+    std::array<uint8_t, 4> serial_number_{};
+    uint64_t next_status_us_ = 0;
+    uint8_t node_id_ = 0;
+    uint8_t tool_ = 0;
+    uint8_t status_id_ = 0;
+    uint8_t allocation_id_ = 0;
+};
+
+}  // namespace stator

@@ -1,0 +1,51 @@
+// What is on the simulated CAN bus beside the vehicle: four motor controllers and a satellite
+// receiver, which speak DroneCAN.
+#pragma once
+
+#include <optional>
+
+#include "can_bus.hpp"
+#include "dronecan/equipment/esc/raw_command.hpp"
+#include "stator/dronecan/receiver.hpp"
+#include "stator/dronecan/sender.hpp"
+#include "world.hpp"
+
+namespace stator::board {
+
+// Silent until the vehicle has sent something, so that graphs without CAN pay nothing for it.
+class CanParts {
+  public:
+    using Control = std::array<float, kRotors>;
+
+    CanParts();
+
+    // A frame of the vehicle. The new motor commands, if it ended a transfer of them.
+    std::optional<Control> receive(const dronecan::Frame& frame, std::uint64_t now_us);
+    // To be called in steps of 1 ms or so; sends what is due.
+    void run(const World& world, const std::optional<GnssFix>& fix, CanBus& bus);
+    // Controllers that get no commands stop. True once, when they do.
+    bool times_out(std::uint64_t now_us);
+
+  private:
+    static constexpr unsigned kNodes = kRotors + 1;
+
+    template <class Message>
+    void send(const Message& message, unsigned part, std::uint8_t& transfer_id,
+              std::uint64_t now_us, CanBus& bus);
+    void send_fix(const GnssFix& fix, std::uint64_t now_us, CanBus& bus);
+    void report(const World& world, unsigned motor, CanBus& bus);
+
+    dronecan::Receiver<1, dronecan::equipment::esc::RawCommand::kType.most_bytes> receiver_;
+    Timer report_timer_{.period_us = 25'000};
+    Timer status_timer_{.period_us = 1'000'000};
+    std::array<std::uint8_t, kNodes> status_ids_{};
+    std::array<std::uint8_t, kRotors> report_ids_{};
+    std::uint8_t fix_id_ = 0;
+    std::uint8_t geometry_id_ = 0;
+    std::uint64_t commanded_us_ = 0;
+    Control control_{};
+    bool awake_ = false;
+    bool commanded_ = false;
+};
+
+}  // namespace stator::board
