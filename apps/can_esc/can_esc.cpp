@@ -43,7 +43,7 @@ void CanEsc::configure(const CanEscParams& params) {
     receiver_.allow(nodes);
     node_id_ = static_cast<uint8_t>(params.node_id);
     count_ = static_cast<unsigned>(std::clamp<int32_t>(params.esc_count, 1, kMost));
-    offline_timeout_us_ = math::saturate<uint64_t>(params.offline_timeout * 1e6F);
+    offline_timeout_us_ = math::saturate<uint32_t>(params.offline_timeout * 1e6F);
 }
 
 bool CanEsc::is_online(const Esc& esc, uint64_t now_us) const {

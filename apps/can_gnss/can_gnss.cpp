@@ -2,6 +2,7 @@
 #include "can_gnss.hpp"
 
 #include "stator/dronecan/port.hpp"
+#include "stator/math/quotient.hpp"
 #include "stator/scalar.hpp"
 
 namespace stator {
@@ -16,8 +17,10 @@ constexpr uint64_t kSilence_us = 3'000'000;
 constexpr std::array kWanted{dronecan::want<Fix>(800), dronecan::want<Geometry>(100)};
 constexpr unsigned kDiagonal = 6;
 constexpr unsigned kWhole = 36;
+constexpr int32_t kDegree = 100'000'000;  // in the fix's unit
+constexpr int32_t kMetre = 1000;
 
-bool within(double value, double least, double most) {
+bool within(float value, float least, float most) {
     return value >= least && value <= most;  // and a number
 }
 
@@ -26,15 +29,15 @@ bool has_position(const Fix& fix) {
 }
 
 bool is_plausible(const Fix& fix) {
-    constexpr int64_t kDegree = 100'000'000;
-    constexpr int32_t kMetre = 1000;
     constexpr float kFastest = 1000.0F;  // m/s
-    bool good = fix.latitude_deg_1e8 >= -90 * kDegree && fix.latitude_deg_1e8 <= 90 * kDegree &&
-                fix.longitude_deg_1e8 >= -180 * kDegree && fix.longitude_deg_1e8 <= 180 * kDegree &&
+    bool good = fix.latitude_deg_1e8 >= int64_t{-90} * kDegree &&
+                fix.latitude_deg_1e8 <= int64_t{90} * kDegree &&
+                fix.longitude_deg_1e8 >= int64_t{-180} * kDegree &&
+                fix.longitude_deg_1e8 <= int64_t{180} * kDegree &&
                 fix.height_msl_mm >= -1000 * kMetre && fix.height_msl_mm <= 60'000 * kMetre;
     for (const float v : fix.ned_velocity) good = good && within(v, -kFastest, kFastest);
     for (unsigned i = 0; i < fix.covariance.count; ++i) {
-        good = good && within(fix.covariance.items[i], -65504.0, 65504.0);
+        good = good && within(fix.covariance.items[i], -65504.0F, 65504.0F);
     }
     return good;
 }
@@ -76,8 +79,8 @@ bool CanGnss::is_ours(uint64_t now_us) {
 
 void CanGnss::take_geometry(uint64_t now_us) {
     Geometry geometry;
-    if (!dronecan::decode(receiver_.payload(), geometry) || !within(geometry.hdop, 0.0, 1000.0) ||
-        !within(geometry.vdop, 0.0, 1000.0)) {
+    if (!dronecan::decode(receiver_.payload(), geometry) || !within(geometry.hdop, 0.0F, 1000.0F) ||
+        !within(geometry.vdop, 0.0F, 1000.0F)) {
         receiver_.count_undecodable();
         return;
     }
@@ -86,7 +89,7 @@ void CanGnss::take_geometry(uint64_t now_us) {
 }
 
 SensorGps CanGnss::sample(const Fix& fix, const CanGnssParams& params) const {
-    const auto latency_us = math::saturate<uint64_t>(params.latency * 1e6F);
+    const auto latency_us = math::saturate<uint32_t>(params.latency * 1e6F);
     const bool told = variance(fix, 0) >= 0.0F && variance(fix, 1) >= 0.0F &&
                       variance(fix, 2) >= 0.0F && variance(fix, 3) >= 0.0F;
     float horizontal = math::canonical_nan<float>();
@@ -102,10 +105,10 @@ SensorGps CanGnss::sample(const Fix& fix, const CanGnssParams& params) const {
     }
     return {.timestamp_sample =
                 receiver_.begun_us() > latency_us ? receiver_.begun_us() - latency_us : 0,
-            .latitude_deg = static_cast<double>(fix.latitude_deg_1e8) * 1e-8,
-            .longitude_deg = static_cast<double>(fix.longitude_deg_1e8) * 1e-8,
-            .altitude_msl_m = static_cast<double>(fix.height_msl_mm) * 1e-3,
-            .altitude_ellipsoid_m = static_cast<double>(fix.height_ellipsoid_mm) * 1e-3,
+            .latitude_deg = math::quotient(fix.latitude_deg_1e8, kDegree),
+            .longitude_deg = math::quotient(fix.longitude_deg_1e8, kDegree),
+            .altitude_msl_m = math::quotient(fix.height_msl_mm, kMetre),
+            .altitude_ellipsoid_m = math::quotient(fix.height_ellipsoid_mm, kMetre),
             .s_variance_m_s = speed,
             .eph = horizontal,
             .epv = vertical,

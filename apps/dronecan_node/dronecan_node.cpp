@@ -4,7 +4,6 @@
 #include <string_view>
 
 #include "stator/dronecan/port.hpp"
-#include "stator/scalar.hpp"
 
 namespace stator {
 
@@ -50,7 +49,7 @@ void DronecanNode::configure(const DronecanNodeParams& params) {
 }
 
 NodeStatus DronecanNode::status(uint64_t now_us) const {
-    return {.uptime_sec = math::saturate<uint32_t>(static_cast<double>(now_us / 1'000'000))};
+    return {.uptime_sec = static_cast<uint32_t>(now_us / 1'000'000)};
 }
 
 template <class Message>
