@@ -35,7 +35,7 @@ std::optional<World> the_world;
 CanBus can_bus;
 CanParts can_parts;
 std::FILE* truth_file = nullptr;
-bool truth_was_written = true;
+bool truth_was_written = false;
 
 // The register write of the motor driver. Time may have passed since the newest event.
 void write_motors(const MotorSim::Control& control) {
@@ -103,9 +103,8 @@ void hand_over(const World::Event& event, std::uint64_t now_us) {
 }
 
 void record_truth() {
-    const Plant& plant = the_world->plant();
-    if (truth_file == nullptr || plant.time_us() % kTruthPeriod_us != 0) return;
-    truth_was_written = write_truth(truth_file, plant) && truth_was_written;
+    if (truth_file == nullptr || the_world->plant().time_us() % kTruthPeriod_us != 0) return;
+    truth_was_written = write_truth(truth_file, *the_world) && truth_was_written;
 }
 
 }  // namespace
@@ -113,6 +112,7 @@ void record_truth() {
 void prepare(const Conditions& conditions, std::FILE* truth) {
     the_world.emplace(conditions);
     truth_file = truth;
+    truth_was_written = truth == nullptr || write_truth_head(truth);
     motors.write = write_motors;
     can1.send = send_on_can;
 }

@@ -11,6 +11,7 @@ namespace stator::board {
 
 struct Conditions {
     std::uint64_t seed = 1;  // of the start, the sensors' biases and all noise
+    bool vary = false;       // the vehicle, from the seed
     WindParameters wind{};
     Faults faults{};
     Pilot pilot{};

@@ -19,6 +19,7 @@ enum class Stream : std::uint64_t {
     kGnss = 5,
     kWind = 6,
     kVariation = 7,
+    kImuDrift = 8,
 };
 
 // Standard normal, components in order: the arguments of a constructor have none.

@@ -84,6 +84,13 @@ bool add_fault(const char* text, Faults& faults) {
     return false;
 }
 
+bool read_vary(const char* text, bool& vary) {
+    const std::string_view value = text;
+    if (value != "no" && value != "yes") return refuse("--vary", text, "no or yes");
+    vary = value == "yes";
+    return true;
+}
+
 bool read_wind(const char* text, double& speed) {
     return (read_number(text, speed) && speed >= 0.0 && speed <= kStrongest) ||
            refuse("--wind", text, "a number of m/s from 0 to 50");
@@ -118,14 +125,16 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     }
     if (option == "--duration") return read_duration(value, options.duration_us);
     if (option == "--times") return read_times(value, options.random_times);
+    if (option == "--vary") return read_vary(value, options.conditions.vary);
     if (option == "--wind") return read_wind(value, options.conditions.wind.speed);
     if (option == "--wind-from") return read_direction(value, options.conditions.wind.from);
     if (option == "--gusts") return read_gusts(value, options.conditions.wind.gusts);
     if (option == "--fail") return add_fault(value, options.conditions.faults);
     std::fprintf(stderr,
                  "error: unknown argument '%s': known are --log FILE, --truth FILE, --seed N, "
-                 "--duration SECONDS, --times zero|random, --wind M_S, --wind-from DEGREES, "
-                 "--gusts none|light|moderate|severe, --fail WHAT@SECONDS, --pilot FILE\n",
+                 "--duration SECONDS, --times zero|random, --vary no|yes, --wind M_S, "
+                 "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
+                 "--pilot FILE\n",
                  option.data());
     return false;
 }

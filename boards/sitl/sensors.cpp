@@ -33,15 +33,37 @@ float mean_load(const Plant& plant) {
     return static_cast<float>(sum / kRotors);
 }
 
+double drift_period(const ImuParameters& parameters) {
+    return static_cast<double>(parameters.drift_samples * parameters.period_us) * 1e-6;
+}
+
 }  // namespace
 
 Imu::Imu(const ImuParameters& parameters, std::uint64_t seed)
-    : parameters_(parameters), random_(seed, static_cast<std::uint64_t>(Stream::kImu)) {
-    gyro_bias_ = gaussian3(random_, parameters_.gyro_bias);
-    accel_bias_ = gaussian3(random_, parameters_.accel_bias);
+    : parameters_(parameters),
+      random_(seed, static_cast<std::uint64_t>(Stream::kImu)),
+      drift_random_(seed, static_cast<std::uint64_t>(Stream::kImuDrift)),
+      gyro_bias_(gaussian3(random_, parameters.gyro_bias)),
+      accel_bias_(gaussian3(random_, parameters.accel_bias)),
+      gyro_per_degc_(parameters.gyro_per_degc * gaussian3(drift_random_)),
+      accel_per_degc_(parameters.accel_per_degc * gaussian3(drift_random_)),
+      gyro_wander_(Vector3::Constant(parameters.gyro_instability), parameters.instability_tau,
+                   drift_period(parameters), drift_random_),
+      accel_wander_(Vector3::Constant(parameters.accel_instability), parameters.instability_tau,
+                    drift_period(parameters), drift_random_) {
     for (double& angle : rotor_angles_) {
         angle = math::kTwoPi<double> * random_.uniform_double() - math::kPi<double>;
     }
+}
+
+void Imu::drift() {
+    const double age = static_cast<double>(samples_ * parameters_.period_us) * 1e-6;
+    const double warmer =
+        parameters_.warms_by_degc * (1.0 - math::exp(-age / parameters_.warming_tau));
+    const Vector3 gyro = warmer * gyro_per_degc_ + gyro_wander_.next(drift_random_);
+    const Vector3 accel = warmer * accel_per_degc_ + accel_wander_.next(drift_random_);
+    gyro_offset_ = gyro_bias_ + gyro.cast<float>();
+    accel_offset_ = accel_bias_ + accel.cast<float>();
 }
 
 // Imbalance pushes each rotor's hub round once a turn; its two blades pass an arm twice.
@@ -60,6 +82,8 @@ Vector3f Imu::rotor_lines(const Plant& plant) {
 }
 
 ImuSample Imu::measure(const Plant& plant) {
+    if (samples_ % parameters_.drift_samples == 0) drift();
+    ++samples_;
     const Vector3f lines = rotor_lines(plant);
     const float shaking = mean_load(plant);
     const float gyro_sigma = math::sqrt(math::square(parameters_.gyro_noise) +
@@ -68,9 +92,9 @@ ImuSample Imu::measure(const Plant& plant) {
                                          math::square(parameters_.accel_shake * shaking));
     const Vector3f gyro_noise = gaussian3(random_, gyro_sigma);
     const Vector3f accel_noise = gaussian3(random_, accel_sigma);
-    const Vector3f gyro_B = plant.state().rate_B.cast<float>() + gyro_bias_ + gyro_noise +
+    const Vector3f gyro_B = plant.state().rate_B.cast<float>() + gyro_offset_ + gyro_noise +
                             parameters_.gyro_imbalance * lines;
-    const Vector3f accel_B = plant.specific_force_B().cast<float>() + accel_bias_ + accel_noise +
+    const Vector3f accel_B = plant.specific_force_B().cast<float>() + accel_offset_ + accel_noise +
                              parameters_.accel_imbalance * lines;
     return {quantised(gyro_B, parameters_.gyro_steps), quantised(accel_B, parameters_.accel_steps)};
 }

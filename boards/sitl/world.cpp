@@ -25,18 +25,19 @@ constexpr std::array kMotorFaults{FaultKind::kMotor1, FaultKind::kMotor2, FaultK
 
 World::World(const Conditions& conditions)
     : conditions_(conditions),
-      plant_(QuadParameters{}, draw_start(conditions.seed)),
+      vehicle_(conditions.vary ? vary(Variation{}, conditions.seed) : Vehicle{}),
+      plant_(vehicle_.quad, draw_start(conditions.seed)),
       wind_(conditions.wind, conditions.seed),
-      imu_(imu_parameters_, conditions.seed),
+      imu_(vehicle_.imu, conditions.seed),
       mocap_(mocap_parameters_, conditions.seed),
-      magnetometer_(magnetometer_parameters_, earth_, conditions.seed),
-      barometer_(barometer_parameters_, earth_, conditions.seed),
+      magnetometer_(vehicle_.magnetometer, earth_, conditions.seed),
+      barometer_(vehicle_.barometer, earth_, conditions.seed),
       gnss_(gnss_parameters_, earth_, conditions.seed),
       watch_(plant_) {}
 
 World::Event World::move_to_next_event() {
     const std::uint64_t now_us = next_event_us();
-    plant_.run_until(now_us);
+    move_plant(now_us);
     Event event;
     imu_timer_.take(now_us);
     event.imu = imu_.measure(plant_);
@@ -52,10 +53,19 @@ World::Event World::move_to_next_event() {
     return event;
 }
 
+void World::move_plant(std::uint64_t time_us) {
+    while (!commands_.empty() && commands_.front().time_us <= time_us) {
+        plant_.run_until(commands_.front().time_us);
+        plant_.command(commands_.front().control);
+        commands_.pop_front();
+    }
+    plant_.run_until(time_us);
+}
+
 // What acts on the vehicle from outside, until the next event.
 void World::influence_plant(std::uint64_t now_us) {
     const Faults& faults = conditions_.faults;
-    battery_.draw(plant_.electric_power(), static_cast<double>(imu_parameters_.period_us) * 1e-6);
+    battery_.draw(plant_.electric_power(), static_cast<double>(vehicle_.imu.period_us) * 1e-6);
     if (const auto left = faults.now(FaultKind::kBatteryLow, now_us)) battery_.limit(*left);
     const double height = -plant_.state().position_N.z();
     Influence influence;
@@ -96,8 +106,8 @@ const World::RadioFrame& World::listen_to_pilot(std::uint64_t now_us) {
 }
 
 void World::command_motors(std::uint64_t now_us, const std::array<float, kRotors>& control) {
-    plant_.run_until(now_us);
-    plant_.command(control);
+    commands_.push_back({now_us + vehicle_.command_delay_us, control});
+    move_plant(now_us);
     motors_are_stopped_ = std::all_of(control.begin(), control.end(), math::is_nan<float>);
 }
 

@@ -2,6 +2,7 @@
 // Knows no graph, no executor and no file.
 #pragma once
 
+#include <deque>
 #include <optional>
 
 #include "battery.hpp"
@@ -9,6 +10,7 @@
 #include "flight_watch.hpp"
 #include "navigation_sensors.hpp"
 #include "sensors.hpp"
+#include "variation.hpp"
 
 namespace stator::board {
 
@@ -45,7 +47,8 @@ class World {
 
     std::uint64_t next_event_us() const { return imu_timer_.next_us; }
     Event move_to_next_event();
-    // The command acts from `now_us` on, which is not before the newest event.
+    // The command acts from `now_us` on or, of a varied vehicle, after its delay. `now_us`
+    // is not before the newest event.
     void command_motors(std::uint64_t now_us, const std::array<float, kRotors>& control);
 
     const Plant& plant() const { return plant_; }
@@ -54,16 +57,15 @@ class World {
     bool is_over() const { return watch_.is_over(plant_.time_us()); }
 
   private:
+    void move_plant(std::uint64_t time_us);
     void influence_plant(std::uint64_t now_us);
     std::optional<MocapSample> watch_with_cameras(std::uint64_t now_us);
     std::optional<GnssFix> listen_to_satellites(std::uint64_t now_us);
     const RadioFrame& listen_to_pilot(std::uint64_t now_us);
 
     Conditions conditions_;
-    ImuParameters imu_parameters_{};
+    Vehicle vehicle_;
     MocapParameters mocap_parameters_{};
-    MagnetometerParameters magnetometer_parameters_{};
-    BarometerParameters barometer_parameters_{};
     GnssParameters gnss_parameters_{};
     Earth earth_{};
     Plant plant_;
@@ -75,13 +77,18 @@ class World {
     Barometer barometer_;
     GnssReceiver gnss_;
     FlightWatch watch_;
+    struct Command {
+        std::uint64_t time_us;  // from when on it acts
+        std::array<float, kRotors> control;
+    };
+    std::deque<Command> commands_;  // on their way
     bool motors_are_stopped_ = true;
     // All on the grid of the IMU's samples, so that nothing happens between two of them.
-    Timer imu_timer_{imu_parameters_.period_us};
+    Timer imu_timer_{vehicle_.imu.period_us};
     Timer picture_timer_{mocap_parameters_.period_us};
     Timer arrival_timer_{mocap_parameters_.period_us, mocap_parameters_.delay_us};
-    Timer magnetometer_timer_{magnetometer_parameters_.period_us};
-    Timer barometer_timer_{barometer_parameters_.period_us};
+    Timer magnetometer_timer_{vehicle_.magnetometer.period_us};
+    Timer barometer_timer_{vehicle_.barometer.period_us};
     Timer fix_timer_{gnss_parameters_.period_us};
     Timer radio_timer_{Pilot::kPeriod_us};
     MocapSample picture_{};                         // on its way

@@ -27,9 +27,6 @@ DISARMED = 1
 HOLD = 4
 NAV_STATES = {0: "manual", HOLD: "hold", 17: "take-off", 18: "landing"}
 
-# Columns of a row of truth: boards/sitl/truth.hpp
-TRUTH_COLUMNS = 15
-
 
 class UnreadableFlight(Exception):
     """The log or the truth lacks what a judgement needs."""
@@ -89,11 +86,26 @@ class Judgement:
 
 
 def read_truth(path: Path) -> Truth:
-    rows = np.fromfile(path, dtype="<f8")
-    if rows.size == 0 or rows.size % TRUTH_COLUMNS != 0:
+    columns = read_truth_columns(path)
+    try:
+        return Truth(
+            time_s=columns["time_us"] * 1e-6,
+            position=np.column_stack([columns[f"position_{axis}"] for axis in "ned"]),
+            q=np.column_stack([columns[f"q_{axis}"] for axis in "wxyz"]),
+            on_ground=columns["on_ground"] != 0.0,
+        )
+    except KeyError as missing:
+        raise UnreadableFlight(f"the true flight '{path}' has no column {missing}") from None
+
+
+def read_truth_columns(path: Path) -> dict[str, Floats]:
+    """All that truly happened, by name: boards/sitl/truth.hpp."""
+    head, _, rows = path.read_bytes().partition(b"\n")
+    names = head.decode("ascii", errors="replace").split()
+    if not names or not rows or len(rows) % (8 * len(names)) != 0:
         raise UnreadableFlight(f"'{path}' is no record of a true flight")
-    rows = rows.reshape(-1, TRUTH_COLUMNS)
-    return Truth(rows[:, 0] * 1e-6, rows[:, 1:4], rows[:, 7:11], rows[:, 14] != 0.0)
+    table = np.frombuffer(rows, dtype="<f8").reshape(-1, len(names))
+    return dict(zip(names, table.T, strict=True))
 
 
 def read_flight(log: ULog, truth: Truth, run: dict[str, object]) -> Flight:

@@ -52,6 +52,11 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         help="of the start, the sensors and their noise (default: 1)",
     )
     parser.add_argument(
+        "--vary",
+        action="store_true",
+        help="another mass, inertia, thrust, centre of gravity, delay and biases for each seed",
+    )
+    parser.add_argument(
         "--wind", type=wind_of, default=0.0, metavar="M_S", help="mean wind in m/s (default: 0)"
     )
     parser.add_argument(
@@ -92,7 +97,7 @@ def flight_options(arguments: argparse.Namespace) -> list[str]:
     """For the program that flies, what decides a flight besides the graph."""
     options = ["--seed", str(arguments.seed), "--duration", f"{arguments.duration:.6f}"]
     options += ["--wind", f"{arguments.wind:.6f}", "--wind-from", f"{arguments.wind_from:.6f}"]
-    options += ["--gusts", arguments.gusts]
+    options += ["--gusts", arguments.gusts, "--vary", "yes" if arguments.vary else "no"]
     options += [word for fault in arguments.fail for word in ("--fail", fault)]
     if arguments.pilot is not None:
         options += ["--pilot", str(arguments.pilot.resolve())]

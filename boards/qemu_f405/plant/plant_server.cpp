@@ -36,7 +36,10 @@ struct Files {
 class Server {
   public:
     Server(const board::Options& options, const Files& files)
-        : world_(options.conditions), files_(files), duration_us_(options.duration_us) {}
+        : world_(options.conditions),
+          files_(files),
+          duration_us_(options.duration_us),
+          truth_is_whole_(files.truth == nullptr || board::write_truth_head(files.truth)) {}
 
     // Serves until the firmware has finished. False if it went away before.
     bool run() {
@@ -90,16 +93,17 @@ class Server {
     }
 
     void record_truth() {
-        const board::Plant& plant = world_.plant();
-        if (files_.truth == nullptr || plant.time_us() % board::kTruthPeriod_us != 0) return;
-        truth_is_whole_ = board::write_truth(files_.truth, plant) && truth_is_whole_;
+        if (files_.truth == nullptr || world_.plant().time_us() % board::kTruthPeriod_us != 0) {
+            return;
+        }
+        truth_is_whole_ = board::write_truth(files_.truth, world_) && truth_is_whole_;
     }
 
     board::World world_;
     Files files_;
     uint64_t duration_us_;
     link::ToPlant finished_{};
-    bool truth_is_whole_ = true;
+    bool truth_is_whole_;
 };
 
 double seconds(uint64_t time_us) {

@@ -78,6 +78,14 @@ TEST(Options, reads_the_weather) {
               "error: --gusts 'strong': wanted is none, light, moderate or severe\n");
 }
 
+TEST(Options, varies_the_vehicle_if_asked) {
+    Options options;
+    EXPECT_FALSE(options.conditions.vary);
+    EXPECT_EQ(refusal({"--vary", "yes"}, options), "");
+    EXPECT_TRUE(options.conditions.vary);
+    EXPECT_EQ(refusal({"--vary", "some"}, options), "error: --vary 'some': wanted is no or yes\n");
+}
+
 TEST(Options, a_fault_has_a_value_and_lasts) {
     Options options;
     EXPECT_EQ(refusal({"--fail", "motor_3=0.25@1"}, options), "");
@@ -107,8 +115,9 @@ TEST(Options, refuses_what_it_does_not_know) {
     Options options;
     EXPECT_EQ(refusal({"--sed", "1"}, options),
               "error: unknown argument '--sed': known are --log FILE, --truth FILE, --seed N, "
-              "--duration SECONDS, --times zero|random, --wind M_S, --wind-from DEGREES, "
-              "--gusts none|light|moderate|severe, --fail WHAT@SECONDS, --pilot FILE\n");
+              "--duration SECONDS, --times zero|random, --vary no|yes, --wind M_S, "
+              "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
+              "--pilot FILE\n");
 }
 
 }  // namespace

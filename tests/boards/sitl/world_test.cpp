@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -215,20 +217,56 @@ TEST(World, standing_with_stopped_motors_is_not_the_end_of_a_flight) {
     EXPECT_FALSE(world.watch().take_off_us());
 }
 
-TEST(Truth, row_holds_the_state_in_its_order) {
-    QuadState state;
-    state.position_N = Vector3(1.0, 2.0, -30.0);
-    state.velocity_N = Vector3(4.0, 5.0, 6.0);
-    state.q_NB = Quaternion(0.5, -0.5, 0.5, -0.5);
-    state.rate_B = Vector3(7.0, 8.0, 9.0);
+TEST(World, a_varied_vehicle_hears_its_commands_late) {
+    const auto first_turn_us = [](std::uint64_t seed) {
+        World world(Conditions{.seed = seed, .vary = true});
+        world.move_to_next_event();
+        world.command_motors(0, all(1.0f));
+        while (world.plant().state().rotor_speeds[0] == 0.0) world.move_to_next_event();
+        return world.plant().time_us();
+    };
+    const std::uint64_t delay_us = vary(Variation{}, 3).command_delay_us;
+    EXPECT_GT(delay_us, 1000U);  // else this seed tells nothing
+    EXPECT_EQ(first_turn_us(3), delay_us / 1000 * 1000 + 1000);
+}
+
+TEST(World, wind_acts_on_the_plant) {
+    World world(Conditions{.wind = {.speed = 5.0, .from = 0.0}});
+    world.move_to_next_event();
+    EXPECT_NEAR((world.plant().influence().wind_N - Vector3(-5.0, 0.0, 0.0)).norm(), 0.0, 1e-12);
+}
+
+TEST(Truth, names_its_columns_and_holds_the_state) {
+    World world(Conditions{.wind = {.speed = 5.0, .from = 0.0}});
+    run_until(world, 3000);
     std::FILE* const file = std::tmpfile();
-    ASSERT_TRUE(write_truth(file, Plant(QuadParameters{}, state)));
+    ASSERT_TRUE(write_truth_head(file));
+    const long head = std::ftell(file);
+    EXPECT_EQ(head % 8, 0);
+    ASSERT_TRUE(write_truth(file, world));
     std::rewind(file);
-    std::array<double, kTruthColumns + 1> row{};
-    EXPECT_EQ(std::fread(row.data(), sizeof(double), row.size(), file), kTruthColumns);
-    const std::array<double, kTruthColumns + 1> expected{
-        0.0, 1.0, 2.0, -30.0, 4.0, 5.0, 6.0, 0.5, -0.5, 0.5, -0.5, 7.0, 8.0, 9.0, 0.0, 0.0};
-    EXPECT_EQ(row, expected);
+    std::string line(static_cast<std::size_t>(head), ' ');
+    EXPECT_EQ(std::fread(line.data(), 1, line.size(), file), line.size());
+    EXPECT_EQ(line.substr(0, 42), "time_us position_n position_e position_d v");
+    EXPECT_EQ(line.back(), '\n');
+    std::array<double, kTruthColumns.size() + 1> row{};
+    EXPECT_EQ(std::fread(row.data(), sizeof(double), row.size(), file), kTruthColumns.size());
+    const auto column = [&](const std::string& name) {
+        const auto* const found = std::find(kTruthColumns.begin(), kTruthColumns.end(), name);
+        return row[static_cast<std::size_t>(found - kTruthColumns.begin())];
+    };
+    const QuadState& state = world.plant().state();
+    EXPECT_EQ(column("time_us"), 3000.0);
+    EXPECT_EQ(column("position_e"), state.position_N.y());
+    EXPECT_EQ(column("velocity_d"), state.velocity_N.z());
+    EXPECT_EQ(column("q_w"), state.q_NB.w());
+    EXPECT_EQ(column("q_z"), state.q_NB.z());
+    EXPECT_EQ(column("rate_x"), state.rate_B.x());
+    EXPECT_EQ(column("on_ground"), 1.0);
+    EXPECT_EQ(column("wind_n"), -5.0);
+    EXPECT_EQ(column("rotor_4"), 0.0);
+    EXPECT_EQ(column("voltage_v"), world.battery().voltage());
+    EXPECT_EQ(column("remaining"), world.battery().remaining());
     EXPECT_EQ(std::fclose(file), 0);
 }
 

@@ -16,6 +16,7 @@ from stator.flight import (
     judge,
     read_flight,
     read_truth,
+    read_truth_columns,
 )
 
 TAKE_OFF_S, HOLD_S, LAND_S, TOUCHDOWN_S, END_S = 5.0, 10.0, 40.0, 48.0, 50.0
@@ -224,22 +225,37 @@ def test_positions_that_are_no_numbers() -> None:
     ]
 
 
+HEAD = "time_us position_n position_e position_d q_w q_x q_y q_z wind_n on_ground "  # another order and fewer columns than the board writes: names decide
+ROW = [10000, 1, 2, 3, 0.5, -0.5, 0.5, -0.5, 8, 1]
+
+
+def write_truth(file: Path, head: str, rows: list[list[float]]) -> None:
+    file.write_bytes(head.encode() + b"\n" + np.array(rows, dtype="<f8").tobytes())
+
+
 def test_truth_file(tmp_path: Path) -> None:
     file = tmp_path / "flight.truth"
-    row = [10000, 1, 2, 3, 4, 5, 6, 0.5, -0.5, 0.5, -0.5, 7, 8, 9, 1]
-    np.array([row, row], dtype="<f8").tofile(file)
+    write_truth(file, HEAD, [ROW, ROW])
     read = read_truth(file)
     assert read.time_s.tolist() == [0.01, 0.01]
     assert read.position[0].tolist() == [1, 2, 3]
     assert read.q[1].tolist() == [0.5, -0.5, 0.5, -0.5]
     assert read.on_ground.tolist() == [True, True]
+    assert read_truth_columns(file)["wind_n"].tolist() == [8, 8]
 
 
-@pytest.mark.parametrize("size", [0, 8, 8 * 16])
-def test_truth_file_of_a_wrong_size(tmp_path: Path, size: int) -> None:
+@pytest.mark.parametrize("content", [b"", b"time_us\n", b"time_us q_w\n" + bytes(8), bytes(80)])
+def test_truth_file_of_a_wrong_size(tmp_path: Path, content: bytes) -> None:
     file = tmp_path / "flight.truth"
-    file.write_bytes(bytes(size))
+    file.write_bytes(content)
     with pytest.raises(UnreadableFlight, match="is no record of a true flight"):
+        read_truth(file)
+
+
+def test_truth_file_without_a_column(tmp_path: Path) -> None:
+    file = tmp_path / "flight.truth"
+    write_truth(file, HEAD.replace("on_ground", "landed"), [ROW])
+    with pytest.raises(UnreadableFlight, match="has no column 'on_ground'"):
         read_truth(file)
 
 
