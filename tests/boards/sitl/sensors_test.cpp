@@ -147,7 +147,7 @@ TEST(Imu, bias_wanders_as_a_gauss_markov_process) {
 
 TEST(Imu, warms_and_drifts) {
     ImuParameters parameters = still();
-    parameters.gyro_per_degc = 0.0028;
+    parameters.gyro_per_degc = 0.00093;
     parameters.warming_tau = 0.05;
     const Plant plant = at_rest();
     std::vector<Vector3f> gyro;
@@ -157,9 +157,9 @@ TEST(Imu, warms_and_drifts) {
         for (int i = 0; i < 999; ++i) imu.measure(plant);
         gyro.push_back(imu.measure(plant).gyro_B);
     }
-    // Twice 0.16 deg/s, as it warms by 2 degC.
+    // A third of 0.16 deg/s for each of 2 degC.
     for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_NEAR(statistics(gyro).deviation[axis], 0.32 * M_PI / 180.0, 8e-4);
+        EXPECT_NEAR(statistics(gyro).deviation[axis], 0.32 / 3.0 * M_PI / 180.0, 2.5e-4);
     }
 }
 
