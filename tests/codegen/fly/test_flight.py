@@ -225,7 +225,8 @@ def test_positions_that_are_no_numbers() -> None:
     ]
 
 
-HEAD = "time_us position_n position_e position_d q_w q_x q_y q_z wind_n on_ground "  # another order and fewer columns than the board writes: names decide
+# Another order and fewer columns than the board writes: names decide.
+HEAD = "time_us position_n position_e position_d q_w q_x q_y q_z wind_n on_ground "
 ROW = [10000, 1, 2, 3, 0.5, -0.5, 0.5, -0.5, 8, 1]
 
 
