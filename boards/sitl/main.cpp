@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "board.hpp"
+#include "flight_facts.hpp"
 #include "options.hpp"
 
 namespace {
@@ -39,10 +40,6 @@ struct Run {
     return false;
 }
 
-double seconds(std::uint64_t time_us) {
-    return static_cast<double>(time_us) * 1e-6;
-}
-
 Run run(const board::Options& options) {
     // The host's clock is for the report only; nothing that is logged may depend on it.
     const auto begin = std::chrono::steady_clock::now();
@@ -60,20 +57,10 @@ Run run(const board::Options& options) {
 
 // One line of JSON.
 void print(const Run& run) {
-    const board::World& world = board::world();
-    std::printf("{\"ended\": \"%s\", \"simulated_s\": %.6f, \"wall_s\": %.6f",
-                world.is_over() ? "motors_stopped" : "time_limit", seconds(world.plant().time_us()),
-                run.wall_s);
-    std::printf(", \"activations\": %llu, \"lost_samples\": %llu",
+    std::printf("{\"activations\": %llu, \"lost_samples\": %llu, ",
                 static_cast<unsigned long long>(run.activations),
                 static_cast<unsigned long long>(run.lost_samples));
-    if (const auto take_off_us = world.watch().take_off_us()) {
-        std::printf(", \"take_off_s\": %.6f", seconds(*take_off_us));
-    }
-    if (const auto touchdown = world.watch().touchdown()) {
-        std::printf(", \"touchdown_s\": %.6f, \"touchdown_m_s\": %.6f", seconds(touchdown->time_us),
-                    touchdown->speed);
-    }
+    board::print_flight_facts(board::world(), run.wall_s);
     std::puts("}");
 }
 

@@ -34,7 +34,7 @@ function(stator_add_graph_parts target graph board)
     add_library(${target}_interfaces INTERFACE)
     target_include_directories(${target}_interfaces INTERFACE "${folder}")
     target_link_libraries(${target}_interfaces
-        INTERFACE stator_flags stator_core stator_math stator_dronecan stator_${graph_executor})
+        INTERFACE stator_${graph_executor} stator_flags stator_core stator_math stator_dronecan)
 
     set(libraries)
     foreach(entry IN LISTS graph_libraries)
@@ -80,6 +80,9 @@ function(stator_add_graph target graph board)
         target_include_directories(${target}_chip INTERFACE "${boards}")
         target_link_libraries(${target}_chip PUBLIC ${target}_interfaces)
         target_link_libraries(${target} PRIVATE ${target}_chip)
+    endif()
+    if(EXISTS "${graph_board}/board.cmake")  # what the board's code needs besides
+        include("${graph_board}/board.cmake")
     endif()
     if(graph_executor STREQUAL "cortex_m")
         set(script "${CMAKE_BINARY_DIR}/generated/${target}/image.ld")

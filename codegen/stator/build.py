@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # for runs in which activations take time
 SLEEP = {"STATOR_SLEEP": "ON"}  # on bare metal: sleeps when idle, instead of spinning
 TOOLCHAIN = HOME / "codegen" / "cmake" / "cortex_m4f.cmake"
-INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate"}
+INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate", "pthread": "./stator run"}
 
 
 def build(

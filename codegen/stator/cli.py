@@ -23,6 +23,7 @@ COMMANDS = {
     "explain": "say why a node runs when and where it does",
     "new": "write a new app or graph",
     "fly": "fly a graph in simulation and report",
+    "run": "run a graph in real time on this machine and report",
     "build": "build a graph's firmware and show what it takes",
     "flash": "put a graph's firmware onto a board",
     "emulate": "fly a graph's firmware in an emulator and report",
@@ -38,6 +39,7 @@ COMMANDS = {
 MODULES = {
     "new": "stator.new",
     "fly": "stator.fly",
+    "run": "stator.run",
     "build": "stator.firmware",
     "flash": "stator.flash",
     "emulate": "stator.emulate",

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import jinja2
 
 from stator import emit_cortex_m as cortex_m
+from stator import emit_pthread as pthread
 from stator import emit_rows as rows
 from stator import emit_tasks
 from stator.diagnostics import Mark, UserError
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from stator.plan import Plan
 
 MANIFEST = "generated_files.txt"
-EXECUTORS = ("cortex_m", "virtual")
+EXECUTORS = ("cortex_m", "pthread", "virtual")
 
 
 def emit(plan: Plan) -> dict[str, str]:
@@ -59,6 +60,8 @@ def emit(plan: Plan) -> dict[str, str]:
         )
     if plan.board.executor == "cortex_m":
         files |= _cortex_m(plan, tasks)
+    elif plan.board.executor == "pthread":
+        files |= _pthread(plan, tasks, topics)
     elif plan.board.executor in EXECUTORS:
         files["executor.cpp"] = _render(
             f"executor_{plan.board.executor}.cpp.j2", graph, tasks=tasks, program=rows.program(plan)
@@ -76,6 +79,20 @@ def _cortex_m(plan: Plan, tasks: list[rows.Row]) -> dict[str, str]:
         "executor.cpp": _render("executor_cortex_m.cpp.j2", graph, tasks=tasks, program=program),
         "lines.hpp": _render("lines.hpp.j2", board, lines=cortex_m.lines(plan)),
         "image.ld": _render("image.ld.j2", board, **cortex_m.image(plan)),
+    }
+
+
+def _pthread(plan: Plan, tasks: list[rows.Row], topics: list[rows.Row]) -> dict[str, str]:
+    """Threads share topics in another way, with other slots."""
+    graph = _start(plan.graph.file)
+    program = pthread.program(plan)
+    for row in topics:
+        topic = plan.topics[row["name"]]
+        row |= {"depth": pthread.depth(plan, topic), "slots": pthread.slots(plan, topic)}
+    return {
+        "topics.hpp": _render("topics_pthread.hpp.j2", graph, topics=topics),
+        "topics.cpp": _render("topics_pthread.cpp.j2", graph, topics=topics),
+        "executor.cpp": _render("executor_pthread.cpp.j2", graph, tasks=tasks, program=program),
     }
 
 

@@ -138,15 +138,23 @@ def pend(plan: Plan, task: Task) -> str:
 
 
 def pends(plan: Plan, tasks: list[Task]) -> list[str]:
-    """One entry for each word that the tasks' bits lie in: of the vectors where vectors are tasks,
-    else of a list in order of urgency. The word of the most urgent task comes first."""
+    """One entry for each word that the tasks' bits lie in. The word of the most urgent task comes
+    first."""
     words: dict[int, int] = {}
     for task in sorted(tasks, key=lambda task: task.index):
-        bit, bits = task.index, WORD_BITS
-        if plan.board.executor == "cortex_m" and task.vector is not None:
-            bit, bits = task.vector, VECTOR_WORD_BITS
-        words[bit // bits] = words.get(bit // bits, 0) | 1 << bit % bits
+        word, bit = _place(plan, task)
+        words[word] = words.get(word, 0) | 1 << bit
     return [f"{{{word}, {mask:#x}}}" for word, mask in words.items()]
+
+
+def _place(plan: Plan, task: Task) -> tuple[int, int]:
+    """Word and bit: among the vectors where these are tasks; in its level where that is a thread;
+    else in one list, in order of urgency."""
+    if plan.board.executor == "pthread":
+        return plan.levels.index(task.level), task.index - task.level_begin
+    if plan.board.executor == "cortex_m" and task.vector is not None:
+        return divmod(task.vector, VECTOR_WORD_BITS)
+    return divmod(task.index, WORD_BITS)
 
 
 # --- topics ---

@@ -10,6 +10,7 @@ from stator.period import Period
 from stator.shapes import NAME_PATTERN, Boolean, Choice, Integer, Name, Raw, Text
 
 MOST_LEVELS = 15
+MOST_TASKS_OF_THREAD = 30  # bits of a word, without the two of its own
 DEPTHS = (1, 2, 4, 8, 16)
 MOST_SLOTS = 32
 

@@ -29,12 +29,15 @@ _IN_GENERATED = ("a node", "an app", "a topic", "a device", "a device class")
 _TYPES = frozenset(
     """Shared Topic TopicState Thinned ThinnedState Pin Loan Input Output Pend Section Executor
     Timer TimerState Line LineState Task TaskCounters Program RandomTimes Random LogTable LogTopic
-    Params Ports Fired Device SharedTime Interrupt Fault Register""".split()
+    Params Ports Fired Device SharedTime Interrupt Fault Register Level LevelFacts Lock Mutex
+    Ending PendingWord Refusal RingEntry Settings SlotState""".split()
 )
 
 
 def reserved_reason(name: str, what: str = "") -> str:
     """Why the name is taken; empty if it is free."""
+    if what == "a board":
+        return ""  # never a name in C++
     if name in _CPP_KEYWORDS:
         return "it is a word of C++"
     if name in _MACROS:

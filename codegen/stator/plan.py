@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from stator.collector import without_collector
 from stator.diagnostics import Report
-from stator.language import MOST_LEVELS
+from stator.language import MOST_LEVELS, MOST_TASKS_OF_THREAD
 from stator.plan_topics import TopicPlan, plan_topics
 from stator.quantities import shown
 from stator.rates import Rates
@@ -46,6 +46,11 @@ class Plan:
         return self._by_name[name]
 
     @cached_property
+    def levels(self) -> list[int]:
+        """Those that have tasks, most urgent first."""
+        return sorted({task.level for task in self.tasks}, reverse=True)
+
+    @cached_property
     def _by_name(self) -> dict[str, Task]:
         return {task.node.name: task for task in self.tasks}
 
@@ -63,6 +68,8 @@ def plan(graph: Graph, board: Board) -> Plan:
         other = _order(graph, board, levels, report)
         replanned = [t.node.name for t in other] != [t.node.name for t in tasks]
         tasks = other
+    if board.executor == "pthread":
+        _check_level_sizes(tasks, board, report)
     topics = plan_topics(graph, levels, rates, report)
     report.stop_on_errors()
     derived = any(node.priority is None for node in graph.nodes.values())
@@ -127,6 +134,20 @@ def _order(graph: Graph, board: Board, levels: dict[str, int], report: Report) -
         begin = tasks[-1].level_begin if same else index
         tasks.append(Task(graph.nodes[name], levels[name], index, begin, vectors.get(name)))
     return tuple(tasks)
+
+
+def _check_level_sizes(tasks: tuple[Task, ...], board: Board, report: Report) -> None:
+    """Where a level is a thread, its tasks are bits of one word."""
+    for task in tasks:
+        if task.index - task.level_begin == MOST_TASKS_OF_THREAD:
+            count = sum(other.level == task.level for other in tasks)
+            report.error(
+                task.node.mark,
+                "level-large",
+                f"level {task.level} has {count} nodes, and a level of {board.name} runs at most "
+                f"{MOST_TASKS_OF_THREAD}",
+                "give some of them another priority",
+            )
 
 
 def _vectors(graph: Graph, board: Board, report: Report) -> dict[str, int]:

@@ -82,6 +82,7 @@ RULES = {
     "depth-small": "a depth that does not cover the readers' rates",
     "depth-rate-unknown": "a queue whose rate is unknown",
     "slots-many": "a topic that needs more than 32 slots",
+    "level-large": "more nodes on a level than a thread runs",
     "vectors-few": "the chip has too few spare vectors",
     # modes, chains, budgets
     "mode-initial": "the initial mode is none of the sets",

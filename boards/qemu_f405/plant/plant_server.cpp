@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "flight_facts.hpp"
 #include "link.hpp"
 #include "options.hpp"
 #include "truth.hpp"
@@ -106,30 +107,16 @@ class Server {
     bool truth_is_whole_;
 };
 
-double seconds(uint64_t time_us) {
-    return static_cast<double>(time_us) * 1e-6;
-}
-
 unsigned long long wide(uint64_t value) {
     return value;
 }
 
 // One line of JSON, with the keys of a simulated flight.
 void print(const Server& server, double wall_s) {
-    const board::World& world = server.world();
-    std::printf("{\"ended\": \"%s\", \"simulated_s\": %.6f, \"wall_s\": %.6f",
-                world.is_over() ? "motors_stopped" : "time_limit", seconds(world.plant().time_us()),
-                wall_s);
-    std::printf(", \"activations\": %llu, \"lost_samples\": %llu, \"missed_samples\": %llu",
+    std::printf("{\"activations\": %llu, \"lost_samples\": %llu, \"missed_samples\": %llu, ",
                 wide(server.finished().activations), wide(server.finished().lost_samples),
                 wide(server.finished().missed_samples));
-    if (const auto take_off_us = world.watch().take_off_us()) {
-        std::printf(", \"take_off_s\": %.6f", seconds(*take_off_us));
-    }
-    if (const auto touchdown = world.watch().touchdown()) {
-        std::printf(", \"touchdown_s\": %.6f, \"touchdown_m_s\": %.6f", seconds(touchdown->time_us),
-                    touchdown->speed);
-    }
+    board::print_flight_facts(server.world(), wall_s);
     std::puts("}");
 }
 

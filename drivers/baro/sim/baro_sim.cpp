@@ -4,6 +4,7 @@
 namespace stator {
 
 void BaroSim::step(BaroPorts& ports) {
+    if (device_.refresh != nullptr) device_.refresh(device_);
     const Device sample = device_;
     if (sample.samples == published_) return;
     published_ = sample.samples;

@@ -15,6 +15,8 @@ class BaroSim {
         uint32_t samples = 0;           // since the start, to tell a new one; wraps
         float pressure = 0.0f;          // Pa
         float temperature_degc = 0.0f;
+        // Brings this up to date, where the board writes in another thread; else none.
+        void (*refresh)(Device&) = nullptr;
     };
 
     explicit BaroSim(Device& device) : device_(device) {}

@@ -17,6 +17,7 @@ Warning warning(float remaining, const BatteryParams& params) {
 }  // namespace
 
 void BatterySim::step(BatteryPorts& ports) {
+    if (device_.refresh != nullptr) device_.refresh(device_);
     const Device battery = device_;
     const bool connected = battery.voltage_v > 0.0f;
     ports.status.publish([&] {

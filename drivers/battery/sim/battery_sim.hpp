@@ -13,6 +13,8 @@ class BatterySim {
         float current_a = 0.0f;
         float discharged_mah = 0.0f;
         float remaining = 0.0f;  // 1 to 0
+        // Brings this up to date, where the board writes in another thread; else none.
+        void (*refresh)(Device&) = nullptr;
     };
 
     explicit BatterySim(Device& device) : device_(device) {}

@@ -63,7 +63,7 @@ inline bool take_logged(const LogTopic& row, uint64_t now_us, Pin& pin) {
     LogCursor& cursor = *row.cursor;
     if (row.interval_us == 0) return take_next(*row.topic, cursor.number, cursor.lost, pin);
     if (now_us < cursor.due_us || !has_unread(*row.topic, cursor.number)) return false;
-    if (!take_latest(*row.topic, pin)) return false;
+    if (!take_latest(*row.topic, cursor.number, pin)) return false;
     cursor.number = number_of(*row.topic, pin);
     cursor.due_us += ((now_us - cursor.due_us) / row.interval_us + 1) * row.interval_us;
     return true;

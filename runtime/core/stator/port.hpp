@@ -82,7 +82,7 @@ class Input {
         topic_ = &topic;
         marks_ = marks;
         seen_ = &seen;
-        if (!stator::take_latest(topic, pin_, marks)) return;
+        if (!stator::take_latest(topic, seen, pin_, marks)) return;
         hold();
         limit_age(now_us, max_age_us);
     }
@@ -108,7 +108,7 @@ class Input {
     // Does nothing where the compiler sees that the node never asks what is new: there the number
     // is of no use.
     void note_seen() {
-        if (__builtin_constant_p(is_asked_) && !is_asked_) return;
+        if (!kTakesNeedSeen && __builtin_constant_p(is_asked_) && !is_asked_) return;
         if (seen_ != nullptr && sample_ != nullptr) *seen_ = number();
     }
     void hold() { sample_ = static_cast<const Message*>(topic_->samples) + pin_.slot; }

@@ -14,6 +14,7 @@ struct TimerState {
     uint32_t served = 0;       // those that the task has served, modulo 2^32
     uint64_t released_us = 0;  // all periods released: of the level that releases
     uint64_t served_us = 0;    // and served: of the task
+    uint32_t missed = 0;       // releases that were served together with a later one
 };
 struct Timer {
     TimerState* state;
@@ -47,32 +48,10 @@ inline void skip_to(TimerState& timer, uint32_t start, uint32_t period_us) {
 inline bool served_now(TimerState& timer, uint32_t period_us) {
     const uint32_t count = timer.fires.load();
     if (count == timer.served) return false;
+    timer.missed += count - timer.served - 1;
     skip_to(timer, count, period_us);
     return true;
 }
-
-// A time that one level writes and lower ones read, in two words: read again if the upper one
-// changed in between.
-class SharedTime {
-  public:
-    uint64_t load() const {
-        uint32_t low = 0;
-        uint32_t high = high_.load();
-        for (uint32_t before = ~high; before != high; high = high_.load()) {
-            before = high;
-            low = low_.load();
-        }
-        return (uint64_t{high} << 32) | low;
-    }
-    void store(uint64_t time_us) {
-        high_.store(static_cast<uint32_t>(time_us >> 32));
-        low_.store(static_cast<uint32_t>(time_us));
-    }
-
-  private:
-    Shared<uint32_t> high_;
-    Shared<uint32_t> low_;
-};
 
 // The assumption `min_interarrival` of a line, checked.
 struct EntryState {

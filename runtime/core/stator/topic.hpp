@@ -43,6 +43,29 @@ class Shared {
     std::atomic<Value> value_{};
 };
 
+// A time that one level writes and lower ones read, in two words: read again if the upper one
+// changed in between.
+class SharedTime {
+  public:
+    uint64_t load() const {
+        uint32_t low = 0;
+        uint32_t high = high_.load();
+        for (uint32_t before = ~high; before != high; high = high_.load()) {
+            before = high;
+            low = low_.load();
+        }
+        return (uint64_t{high} << 32) | low;
+    }
+    void store(uint64_t time_us) {
+        high_.store(static_cast<uint32_t>(time_us >> 32));
+        low_.store(static_cast<uint32_t>(time_us));
+    }
+
+  private:
+    Shared<uint32_t> high_;
+    Shared<uint32_t> low_;
+};
+
 // Slot 0 is the top bit, so that count-leading-zeros gives the index of a free slot.
 inline constexpr unsigned kMaxSlots = 32;
 constexpr uint32_t slot_mask(unsigned slot) {
@@ -101,9 +124,12 @@ inline uint32_t number_of(const Topic& topic, const Pin& pin) {
 // The functions that take have `marks`. False: no publisher of the topic can run before the pin is
 // released, as none outranks the reader; then no slot needs to be marked.
 
+// On one core, no take is older than the one before, so that nobody tells what was seen.
+inline constexpr bool kTakesNeedSeen = false;
+
 // Takes the newest sample. False if there is none yet: then nothing is held.
 // Constant time; any context above hardware priority 0.
-inline bool take_latest(const Topic& topic, Pin& pin, bool marks = true) {
+inline bool take_latest(const Topic& topic, uint32_t /*seen*/, Pin& pin, bool marks = true) {
     TopicState& state = *topic.state;
     uint32_t mask = state.history.load();
     if (mask == 0) return false;
@@ -131,7 +157,7 @@ inline bool take_next(const Topic& topic, uint32_t& cursor, uint32_t& lost, Pin&
                       bool marks = true) {
     TopicState& state = *topic.state;
     if (topic.depth == 1) {
-        if (!take_latest(topic, pin, marks)) return false;
+        if (!take_latest(topic, cursor, pin, marks)) return false;
         const uint32_t number = number_of(topic, pin);
         if (number == cursor) {
             release(topic, pin, marks);

@@ -147,7 +147,7 @@ bool World::take(Job& job) {
     uint32_t lost = 0;
     const bool marks = marks_[job.user];
     if (!(is_queue ? take_next(topic_, cursor, lost, job.pin, marks)
-                   : take_latest(topic_, job.pin, marks))) {
+                   : take_latest(topic_, cursor, job.pin, marks))) {
         expect(is_queue ? job.newest_at_start == before : !job.any_at_start,
                "a sample reads as absent");
         return false;

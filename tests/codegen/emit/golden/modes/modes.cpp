@@ -46,7 +46,7 @@ void start() {
 
 void follow() {
     Pin pin;
-    if (!take_latest(topics::mode, pin)) return;
+    if (!take_latest(topics::mode, 0, pin)) return;
     const unsigned mode = (static_cast<const Mode*>(topics::mode.samples) + pin.slot)->mode;
     release(topics::mode, pin);
     if (mode < kModeCount && mode != current) change(mode);

@@ -1,0 +1,132 @@
+// Runs the graph that was built for this board in real time, the simulated world beside it, and
+// prints facts of the run as JSON.
+//
+// Exit status: 0 the run ended, whatever became of the vehicle; 1 a file could not be written
+// whole, or the graph did not come to rest; 2 a wrong argument, a file that cannot be opened, or a
+// machine without the threads; 128 + its number: a signal ended the run.
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "board.hpp"
+#include "flight_facts.hpp"
+#include "options.hpp"
+#include "real_world.hpp"
+
+namespace {
+
+using namespace stator;
+
+board::RealWorld* the_world = nullptr;
+
+[[nodiscard]] bool open(const char* path, std::FILE*& file) {
+    if (path == nullptr) return true;
+    file = std::fopen(path, "wb");
+    if (file != nullptr) return true;
+    std::fprintf(stderr, "error: cannot open '%s': %s\n", path, std::strerror(errno));
+    return false;
+}
+
+[[nodiscard]] bool close(const char* path, std::FILE* file, bool is_whole) {
+    if (file == nullptr) return true;
+    if (std::fclose(file) == 0 && is_whole) return true;
+    std::fprintf(stderr, "error: could not write all of '%s'\n", path);
+    return false;
+}
+
+// Devices that do not wait for a line.
+void connect(board::RealWorld& world) {
+    the_world = &world;
+    board::motors.write = [](const MotorSim::Control& control) {
+        the_world->command_motors(control);
+    };
+    board::baro0.refresh = [](BaroSim::Device& device) {
+        const auto refresh = device.refresh;
+        device = the_world->barometer();
+        device.refresh = refresh;
+    };
+    board::battery0.refresh = [](BatterySim::Device& device) {
+        const auto refresh = device.refresh;
+        device = the_world->battery();
+        device.refresh = refresh;
+    };
+}
+
+double seconds(std::uint64_t time_ns) {
+    return static_cast<double>(time_ns) * 1e-9;
+}
+
+void print_refusals() {
+    std::printf("\"not_allowed\": [");
+    const char* separator = "";
+    for (const Refusal& refusal : refusals()) {
+        std::printf("%s{\"what\": \"%s\", \"why\": \"%s\", \"cost\": \"%s\", \"remedy\": \"%s\"}",
+                    separator, refusal.what, refusal.why, refusal.cost, refusal.remedy);
+        separator = ", ";
+    }
+    std::printf("]");
+}
+
+void print_levels(double wall_s) {
+    std::printf("\"levels\": [");
+    for (unsigned i = 0; i < program.level_count; ++i) {
+        const LevelFacts facts = facts_of_level(i);
+        std::printf(
+            "%s{\"level\": %u, \"cpu_s\": %.6f, \"load\": %.6f, \"wakes\": %llu, "
+            "\"worst_release_us\": %.3f}",
+            i == 0 ? "" : ", ", program.levels[i].priority, seconds(facts.cpu_ns),
+            seconds(facts.cpu_ns) / wall_s, static_cast<unsigned long long>(facts.wakes),
+            static_cast<double>(facts.worst_release_ns) * 1e-3);
+    }
+    std::printf("]");
+}
+
+// One line of JSON, with the keys of a simulated flight.
+void print(const board::RealWorld& world, double wall_s) {
+    TaskCounters sum;
+    std::uint64_t missed_releases = 0;
+    for (unsigned i = 0; i < program.task_count; ++i) {
+        sum.activations += program.tasks[i].counters->activations;
+        sum.lost_samples += program.tasks[i].counters->lost_samples;
+    }
+    for (unsigned i = 0; i < program.timer_count; ++i) {
+        missed_releases += program.timers[i].state->missed;
+    }
+    std::printf("{\"activations\": %llu, \"lost_samples\": %llu",
+                static_cast<unsigned long long>(sum.activations),
+                static_cast<unsigned long long>(sum.lost_samples));
+    std::printf(", \"missed_samples\": %llu, \"missed_releases\": %llu, \"real_time\": %s, ",
+                static_cast<unsigned long long>(world.missed_samples()),
+                static_cast<unsigned long long>(missed_releases),
+                is_real_time() ? "true" : "false");
+    print_refusals();
+    std::printf(", ");
+    print_levels(wall_s);
+    std::printf(", ");
+    board::print_flight_facts(world.world(), wall_s);
+    std::puts("}");
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    board::Options options;
+    std::FILE* truth = nullptr;
+    if (!board::parse(count, arguments, options)) return 2;
+    if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
+    board::RealWorld world(options.conditions, truth);
+    connect(world);
+    if (!start()) return 2;
+    if (!world.begin()) fail("no thread for the world");
+    const Ending ending = wait_until(options.duration_us);
+    const double wall_s = seconds(clock_ns());
+    world.end();
+    const bool came_to_rest = finish();
+    if (!came_to_rest) std::fputs("error: the graph did not come to rest within 1 s\n", stderr);
+    print(world, wall_s);
+    const bool log_written =
+        close(options.log, board::log_storage.file, board::log_storage.errors == 0);
+    const bool truth_written = close(options.truth, truth, world.truth_is_whole());
+    if (ending == Ending::kSignal) return 128 + ending_signal();
+    return came_to_rest && log_written && truth_written ? 0 : 1;
+}

@@ -1,0 +1,29 @@
+// What a flight program says of the flight when it is over.
+#include "flight_facts.hpp"
+
+#include <cstdio>
+
+namespace stator::board {
+
+namespace {
+
+double seconds(std::uint64_t time_us) {
+    return static_cast<double>(time_us) * 1e-6;
+}
+
+}  // namespace
+
+void print_flight_facts(const World& world, double wall_s) {
+    std::printf("\"ended\": \"%s\", \"simulated_s\": %.6f, \"wall_s\": %.6f",
+                world.is_over() ? "motors_stopped" : "time_limit", seconds(world.plant().time_us()),
+                wall_s);
+    if (const auto take_off_us = world.watch().take_off_us()) {
+        std::printf(", \"take_off_s\": %.6f", seconds(*take_off_us));
+    }
+    if (const auto touchdown = world.watch().touchdown()) {
+        std::printf(", \"touchdown_s\": %.6f, \"touchdown_m_s\": %.6f", seconds(touchdown->time_us),
+                    touchdown->speed);
+    }
+}
+
+}  // namespace stator::board

@@ -1,0 +1,135 @@
+"""What `./stator run` does: builds a graph for threads, runs it in real time, and reports."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stator.build import build
+from stator.cli import make_plan
+from stator.diagnostics import UserError
+from stator.fly import (
+    add_flight_arguments,
+    default_log,
+    facts_of,
+    flight_options,
+    flight_rows,
+    log_row,
+    progress,
+    show,
+)
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+NOT_RUN = 2
+SIGNALLED = 128  # and the number of the signal
+OWN_FACTS = ("missed_samples", "missed_releases", "real_time", "not_allowed", "levels")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_flight_arguments(parser, board="linux", what="a board of threads")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """0: it ran to its end, and a vehicle flew within all limits. 1: it did not, or could not be
+    judged. 2: nothing ran. 128 and more: a signal ended it."""
+    log = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
+    truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
+    try:
+        program = build(arguments.graph, arguments.board, executor="pthread")
+        flies = _flies(arguments.graph, arguments.board)
+    except UserError as failed:
+        print(failed, file=sys.stderr)
+        return NOT_RUN
+    name = f"running {arguments.graph.stem} for {arguments.duration:g} s at most; Ctrl-C ends it"
+    with progress(name):
+        finished = _run(program, log, truth, arguments)
+    if finished.returncode == NOT_RUN:
+        print(finished.stderr.rstrip(), file=sys.stderr)
+        return NOT_RUN
+    facts = _facts(finished, log, truth, flies=flies)
+    facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
+    if arguments.json:
+        print(json.dumps(facts, indent=2))
+    else:
+        show(facts, [*flight_rows(facts), *_run_rows(facts), log_row(facts)])
+    if finished.returncode > SIGNALLED:
+        return finished.returncode
+    return 0 if facts["success"] else 1
+
+
+def _flies(graph: Path, board: str) -> bool:
+    """Whether there is a flight to judge."""
+    return any(task.node.device == "motors" for task in make_plan(str(graph), board).tasks)
+
+
+def _run(
+    program: Path, log: Path, truth: Path, arguments: argparse.Namespace
+) -> subprocess.CompletedProcess[str]:
+    """Signals end the program in order, which then says what there was until then."""
+    command = [str(program), "--log", str(log), "--truth", str(truth)]
+    command += flight_options(arguments)
+    before = {}
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process:
+
+        def pass_on(number: int, _: FrameType | None) -> None:
+            process.send_signal(number)
+
+        for number in (signal.SIGINT, signal.SIGTERM):
+            before[number] = signal.signal(number, pass_on)
+        try:
+            output, errors = process.communicate()
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+    return subprocess.CompletedProcess(command, process.returncode, output, errors)
+
+
+def _facts(
+    finished: subprocess.CompletedProcess[str], log: Path, truth: Path, *, flies: bool
+) -> dict[str, Any]:
+    facts: dict[str, Any] = facts_of(finished, log, truth, judges=flies)
+    if finished.returncode < 0:
+        return facts
+    run = json.loads(finished.stdout)
+    facts |= {key: run[key] for key in OWN_FACTS}
+    if finished.returncode > SIGNALLED:
+        name = signal.Signals(finished.returncode - SIGNALLED).name
+        facts |= {"success": False, "reason": f"{name} after {run['wall_s']:.1f} s"}
+    elif finished.returncode != 0:
+        facts |= {"success": False, "reason": finished.stderr.strip()}
+    return facts
+
+
+# --- for people ---
+
+
+def _run_rows(facts: dict[str, Any]) -> list[tuple[str, str]]:
+    if "levels" not in facts:
+        return []
+    missed = f"{facts['missed_samples']} of devices, {facts['missed_releases']} releases"
+    load = sum(level["load"] for level in facts["levels"])
+    worst = max(facts["levels"], key=lambda level: level["worst_release_us"])
+    rows = [
+        ("run", f"{facts['duration_s']:.1f} s in real time; {facts['activations']:,} activations"),
+        ("lost", f"{facts['lost_samples']} samples; missed as the machine was busy: {missed}"),
+        ("load", f"{100 * load:.1f} % of one processor, {len(facts['levels'])} levels"),
+    ]
+    if worst["worst_release_us"] > 0:
+        late = f"by {worst['worst_release_us']:.0f} us, on level {worst['level']}"
+        rows.append(("release", f"the latest was late {late}"))
+    rows += [
+        (
+            "note",
+            f"{row['what']}: not allowed ({row['why']}): {row['cost']}; remedy: {row['remedy']}",
+        )
+        for row in facts["not_allowed"]
+    ]
+    return rows

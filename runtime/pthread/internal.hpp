@@ -1,0 +1,52 @@
+// What the files of this executor know of each other.
+#pragma once
+
+#include <pthread.h>
+
+#include "stator/pthread.hpp"
+
+namespace stator {
+
+// --- permission.cpp ---
+
+// How a thread is to be made: its priority and processors as far as they are granted.
+class ThreadAttributes {
+  public:
+    explicit ThreadAttributes(unsigned priority);
+    ~ThreadAttributes() { pthread_attr_destroy(&attributes_); }
+    ThreadAttributes(const ThreadAttributes&) = delete;
+    ThreadAttributes& operator=(const ThreadAttributes&) = delete;
+    const pthread_attr_t& get() const { return attributes_; }
+
+  private:
+    pthread_attr_t attributes_;
+};
+
+// Asks the machine for what the settings want, once, before any thread is made.
+void ask_permission(const Settings& settings);
+// Once all are made.
+void ask_for_memory(const Settings& settings);
+// At the begin of a thread: names it and touches its stack, so that no activation is the first to.
+void prepare_thread(const char* name);
+uint64_t thread_cpu_ns();
+
+// Above those of all levels, as interrupts are.
+inline constexpr unsigned kDevicePriority = 16;
+
+// --- level.cpp ---
+
+// Threads are made first, and wait at the gate.
+bool make_level(unsigned level);
+void wait_at_gate();
+void open_gate();  // time begins
+void drop_pending();
+void stop_releases();
+bool is_any_level_busy();  // two looks: true unless all slept in between
+void end_level(unsigned level);
+
+// --- line.cpp ---
+
+bool start_lines();
+void stop_lines();
+
+}  // namespace stator

@@ -1,0 +1,217 @@
+// Threads of levels: each runs the tasks of its pending word, most urgent bit first, makes its own
+// periodic releases, and sleeps on that word.
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <climits>
+#include <cstdio>
+#include <ctime>
+
+#include "internal.hpp"
+
+namespace stator {
+
+PendingWord pending_words[kMostLevels];
+
+namespace {
+
+constexpr uint64_t kNever = UINT64_MAX;
+constexpr uint64_t kSecond_ns = 1'000'000'000;
+
+uint64_t start_ns = 0;  // written before the gate opens
+std::atomic<uint32_t> gate{0};
+std::atomic<bool> releases_end{false};
+
+uint64_t time_ns(clockid_t clock) {
+    timespec now{};
+    clock_gettime(clock, &now);
+    return static_cast<uint64_t>(now.tv_sec) * kSecond_ns + static_cast<uint64_t>(now.tv_nsec);
+}
+
+timespec timespec_of(uint64_t time_ns) {
+    return {.tv_sec = static_cast<time_t>(time_ns / kSecond_ns),
+            .tv_nsec = static_cast<long>(time_ns % kSecond_ns)};
+}
+
+// Until the word is no longer `value`, somebody wakes it, or the clock says `end_ns`.
+void futex_wait(std::atomic<uint32_t>& word, uint32_t value, uint64_t end_ns) {
+    const timespec end = timespec_of(end_ns);
+    // With a bit set the time is absolute, and of CLOCK_MONOTONIC.
+    syscall(SYS_futex, &word, FUTEX_WAIT_BITSET_PRIVATE, value, end_ns == kNever ? nullptr : &end,
+            nullptr, FUTEX_BITSET_MATCH_ANY);
+}
+
+void futex_wake(std::atomic<uint32_t>& word, int count) {
+    syscall(SYS_futex, &word, FUTEX_WAKE_PRIVATE, count);
+}
+
+class LevelThread {
+  public:
+    bool create(unsigned level);
+    void join() { pthread_join(thread_, nullptr); }
+    const LevelFacts& facts() const { return facts_; }
+    uint64_t sleeps() const { return sleeps_.load(); }
+
+  private:
+    void run();
+    uint64_t release_due();
+    void run_task(unsigned index);
+    void sleep(uint64_t until_us);
+
+    pthread_t thread_{};
+    unsigned place_ = 0;
+    const Level* level_ = nullptr;
+    std::atomic<uint32_t>* word_ = nullptr;
+    LevelFacts facts_;
+    std::atomic<uint64_t> sleeps_{0};
+};
+std::array<LevelThread, kMostLevels> threads;
+
+bool LevelThread::create(unsigned level) {
+    place_ = level;
+    level_ = &program.levels[level];
+    word_ = &pending_words[level].bits;
+    const ThreadAttributes attributes(level_->priority);
+    const auto entry = [](void* object) -> void* {
+        static_cast<LevelThread*>(object)->run();
+        return nullptr;
+    };
+    return pthread_create(&thread_, &attributes.get(), entry, this) == 0;
+}
+
+void LevelThread::run() {
+    char name[16];
+    std::snprintf(name, sizeof name, "level %u", level_->priority);
+    prepare_thread(name);
+    wait_at_gate();
+    word_->fetch_or(kAwake, std::memory_order_relaxed);
+    for (;;) {
+        const uint64_t next_us = release_due();
+        const uint32_t bits = word_->load(std::memory_order_relaxed);
+        if ((bits & kTaskBits) != 0) {
+            run_task(static_cast<unsigned>(std::countr_zero(bits)));
+        } else if ((bits & kStop) != 0) {
+            break;
+        } else {
+            sleep(next_us);
+        }
+    }
+    facts_.cpu_ns = thread_cpu_ns();
+}
+
+// Pends what is due, and returns when the next release is. A level that was late makes all releases
+// that it missed; the task counts those that it served together.
+uint64_t LevelThread::release_due() {
+    if (level_->timer_count == 0 || releases_end.load()) return kNever;
+    const uint64_t now_ns = clock_ns();
+    uint64_t next_us = kNever;
+    for (unsigned i = 0; i < level_->timer_count; ++i) {
+        const Timer& timer = program.timers[level_->first_timer + i];
+        uint64_t release_us = next_release_us(timer);
+        while (release_us * 1000 <= now_ns) {
+            facts_.worst_release_ns = std::max(facts_.worst_release_ns, now_ns - release_us * 1000);
+            release(timer);
+            release_us = next_release_us(timer);
+        }
+        next_us = std::min(next_us, release_us);
+    }
+    return next_us;
+}
+
+void LevelThread::run_task(unsigned index) {
+    // Before the task runs, so that what is published from here on pends it again. Acquire: it sees
+    // what was published before the bit was set. Relaxed, or cleared after the run, loses samples.
+    word_->fetch_and(~(1U << index), std::memory_order_acquire);
+    const Task& task = program.tasks[level_->first_task + index];
+    task.run();
+    for (unsigned i = 0; i < task.line_count; ++i) task.lines[i]->finish_activation();
+}
+
+// The word goes to 0 only if nothing but kAwake is set; whoever sets a bit from then on finds 0 and
+// wakes this thread, which the kernel keeps asleep only while the word is 0.
+void LevelThread::sleep(uint64_t until_us) {
+    sleeps_.fetch_add(1);
+    uint32_t awake = kAwake;
+    if (!word_->compare_exchange_strong(awake, 0)) return;
+    futex_wait(*word_, 0, until_us == kNever ? kNever : start_ns + until_us * 1000);
+    word_->fetch_or(kAwake);
+    ++facts_.wakes;
+}
+
+}  // namespace
+
+void wake_level(uint32_t word) {
+    futex_wake(pending_words[word].bits, 1);
+}
+
+uint64_t clock_ns() {
+    return time_ns(CLOCK_MONOTONIC) - start_ns;
+}
+uint64_t clock_us() {
+    return clock_ns() / 1000;
+}
+
+void sleep_until_us(uint64_t time_us) {
+    const timespec end = timespec_of(start_ns + time_us * 1000);
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &end, nullptr) == EINTR) {
+    }
+}
+
+uint64_t thread_cpu_ns() {
+    return time_ns(CLOCK_THREAD_CPUTIME_ID);
+}
+
+bool make_level(unsigned level) {
+    return threads[level].create(level);
+}
+
+void wait_at_gate() {
+    while (gate.load(std::memory_order_acquire) == 0) futex_wait(gate, 0, kNever);
+}
+
+void open_gate() {
+    start_ns = time_ns(CLOCK_MONOTONIC);
+    gate.store(1, std::memory_order_release);
+    futex_wake(gate, INT_MAX);
+}
+
+void drop_pending() {
+    for (PendingWord& word : pending_words) word.bits.store(0);
+}
+
+void stop_releases() {
+    releases_end.store(true);
+}
+
+// Sequentially consistent throughout. A level that sleeps has the word 0, and counts before each
+// time that it falls asleep: where the word is 0 twice and the count is the same before the first
+// and after the second look, it slept all the time between. All do so at the end of the first
+// round.
+bool is_any_level_busy() {
+    std::array<uint64_t, kMostLevels> sleeps{};
+    for (unsigned i = 0; i < program.level_count; ++i) {
+        sleeps[i] = threads[i].sleeps();
+        if (pending_words[i].bits.load() != 0) return true;
+    }
+    for (unsigned i = 0; i < program.level_count; ++i) {
+        if (pending_words[i].bits.load() != 0 || threads[i].sleeps() != sleeps[i]) return true;
+    }
+    return false;
+}
+
+void end_level(unsigned level) {
+    pending_words[level].bits.fetch_or(kStop);
+    wake_level(level);
+    threads[level].join();
+}
+
+LevelFacts facts_of_level(unsigned level) {
+    return threads[level].facts();
+}
+
+}  // namespace stator

@@ -1,0 +1,136 @@
+// Starts a graph, waits for its end, ends it in order.
+#include "stator/pthread.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+
+#include "internal.hpp"
+#include "stator/mutex.hpp"
+
+namespace stator {
+
+namespace {
+
+constexpr uint64_t kLongestEnd_us = 1'000'000;
+constexpr timespec kPollPeriod{.tv_sec = 0, .tv_nsec = 200'000};
+
+int signals = -1;
+int stops = -1;  // an event
+int heard = 0;
+
+bool refuse(const char* what) {
+    std::fprintf(stderr, "error: cannot start: %s: %s\n", what, std::strerror(errno));
+    return false;
+}
+
+// Blocked in all threads that are made from here on; `wait_until` hears them.
+bool take_signals() {
+    sigset_t ending;
+    sigemptyset(&ending);
+    sigaddset(&ending, SIGINT);
+    sigaddset(&ending, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &ending, nullptr);
+    signals = signalfd(-1, &ending, SFD_CLOEXEC | SFD_NONBLOCK);
+    stops = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    return signals >= 0 && stops >= 0;
+}
+
+}  // namespace
+
+void fail(const char* what) {
+    std::fprintf(stderr, "stator: %s at %llu us\n", what,
+                 static_cast<unsigned long long>(clock_us()));
+    std::abort();
+}
+
+Mutex::Mutex() {
+    pthread_mutexattr_t attributes;
+    pthread_mutexattr_init(&attributes);
+    pthread_mutexattr_setprotocol(&attributes, PTHREAD_PRIO_INHERIT);
+    pthread_mutex_init(&mutex_, &attributes);
+    pthread_mutexattr_destroy(&attributes);
+}
+
+namespace {
+
+// What there is of threads ends without having run a task.
+bool cancel(unsigned levels, const char* what) {
+    refuse(what);
+    stop_releases();
+    drop_pending();
+    open_gate();
+    for (unsigned level = 0; level < levels; ++level) end_level(level);
+    return false;
+}
+
+}  // namespace
+
+bool start(const Settings& settings) {
+    if (!take_signals()) return refuse("signals");
+    ask_permission(settings);
+    program.start();
+    for (unsigned level = 0; level < program.level_count; ++level) {
+        if (!make_level(level)) return cancel(level, "the thread of a level");
+    }
+    if (!start_lines()) {
+        return cancel(program.level_count, "the thread of lines");
+    }
+    ask_for_memory(settings);
+    open_gate();
+    return true;
+}
+
+Ending wait_until(uint64_t end_us) {
+    for (;;) {
+        const uint64_t now_us = clock_us();
+        if (now_us >= end_us) return Ending::kTime;
+        const uint64_t left_us = end_us - now_us;
+        const timespec left{.tv_sec = static_cast<time_t>(left_us / 1'000'000),
+                            .tv_nsec = static_cast<long>(left_us % 1'000'000) * 1000};
+        pollfd waits[] = {{stops, POLLIN, 0}, {signals, POLLIN, 0}};
+        if (ppoll(waits, 2, &left, nullptr) <= 0) continue;
+        if (waits[0].revents != 0) return Ending::kStopped;
+        signalfd_siginfo info{};
+        if (read(signals, &info, sizeof info) != sizeof info) continue;
+        heard = static_cast<int>(info.ssi_signo);
+        return Ending::kSignal;
+    }
+}
+
+int ending_signal() {
+    return heard;
+}
+
+void stop() {
+    eventfd_write(stops, 1);
+}
+
+bool wait_until_idle(uint64_t longest_us) {
+    const uint64_t end_us = clock_us() + longest_us;
+    while (is_any_level_busy()) {
+        if (clock_us() >= end_us) return false;
+        nanosleep(&kPollPeriod, nullptr);
+    }
+    return true;
+}
+
+bool finish() {
+    stop_lines();
+    stop_releases();
+    const bool came_to_rest = wait_until_idle(kLongestEnd_us);
+    for (unsigned level = 0; level < program.level_count; ++level) end_level(level);
+    close(signals);
+    close(stops);
+    return came_to_rest;
+}
+
+}  // namespace stator
