@@ -1,6 +1,8 @@
 // What the generated graph connects to: the devices of this board and their lines.
 #pragma once
 
+#include "baro_recording.hpp"
+#include "gnss_recording.hpp"
 #include "imu_recording.hpp"
 #include "mag_recording.hpp"
 #include "recording.hpp"
@@ -13,6 +15,9 @@ extern ImuRecording::Device imu0;
 extern Line imu0_data_ready;
 extern MagRecording::Device mag0;
 extern Line mag0_data_ready;
+extern GnssRecording::Device gnss0;
+extern Line gnss0_received;
+extern BaroRecording::Device baro0;
 extern StorageFile::Device log_storage;
 
 // Before the graph starts: what to replay. It must outlive the run.

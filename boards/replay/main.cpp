@@ -59,6 +59,6 @@ int main(int count, char** arguments) {
     if (!recording.load(options.recording) || !open_log(options.log)) return 2;
     board::replay(recording);
     start();
-    run_until(board::Recording::time_us(recording.samples()) + kAfterrun_us);
+    run_until(recording.end_us() + kAfterrun_us);
     return close_log(options.log) ? 0 : 1;
 }

@@ -13,6 +13,8 @@ static_assert(std::endian::native == std::endian::little, "values are used as th
 
 namespace {
 
+constexpr double kLatest_us = 1e15;  // 30 years
+
 struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
 };
@@ -30,21 +32,19 @@ bool Recording::load(const char* path) {
         return refuse(path, std::strerror(errno));
     const long bytes = std::ftell(file.get());
     if (bytes < 0) return refuse(path, std::strerror(errno));
-    const std::size_t count = static_cast<std::size_t>(bytes) / sizeof(float);
-    if (count == 0 || count % kPlanes != 0 ||
-        static_cast<std::size_t>(bytes) % sizeof(float) != 0) {
-        return refuse(path, "its size is not that of 14 planes of 32-bit numbers");
-    }
-    values_.resize(count);
+    const std::size_t count = static_cast<std::size_t>(bytes) / sizeof(Row);
+    if (count == 0 || static_cast<std::size_t>(bytes) % sizeof(Row) != 0)
+        return refuse(path, "its size is not that of rows of 12 64-bit numbers");
+    rows_.resize(count);
     std::rewind(file.get());
-    if (std::fread(values_.data(), sizeof(float), count, file.get()) == count) return true;
-    return refuse(path, "it ends too early");
-}
-
-std::array<float, 3> Recording::xyz(Plane first, std::size_t sample) const {
-    const std::size_t n = samples();
-    const float* x = values_.data() + static_cast<std::size_t>(first) * n + sample;
-    return {x[0], x[n], x[2 * n]};
+    if (std::fread(rows_.data(), sizeof(Row), count, file.get()) != count)
+        return refuse(path, "it ends too early");
+    for (std::size_t row = 0; row < count; ++row) {
+        const double earliest = row == 0 ? 0.0 : rows_[row - 1].arrival_us;
+        if (!(rows_[row].arrival_us >= earliest && rows_[row].arrival_us < kLatest_us))
+            return refuse(path, "its rows are not in order of time");
+    }
+    return true;
 }
 
 }  // namespace stator::board

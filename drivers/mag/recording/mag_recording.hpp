@@ -13,7 +13,7 @@ class MagRecording {
     // The sample that is current in the recording. The board writes it, then raises data_ready.
     struct Device {
         uint64_t timestamp_sample = 0;      // us
-        std::array<float, 3> field_B_ut{};  // microtesla, as recordings have it
+        std::array<float, 3> field_B{};  // gauss
     };
 
     explicit MagRecording(Device& device) : device_(device) {}

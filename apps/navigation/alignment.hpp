@@ -1,0 +1,38 @@
+// Finds level from gravity before the filter starts.
+#pragma once
+
+#include "filter.hpp"
+
+namespace stator {
+
+class Alignment {
+  public:
+    // Adds a sample. True once there are enough; then start() may be called.
+    [[nodiscard]] bool add(const Vector& force_B, float time) {
+        force_B_ += force_B * time;
+        time_ += time;
+        return time_ >= kTime && force_B_.squaredNorm() > 0.0f;
+    }
+    // Heading zero.
+    Quaternion attitude() const {
+        const Vector down_B = math::normalized(Vector(-force_B_));
+        const float roll = math::atan2(down_B.y(), down_B.z());
+        const float level = math::norm(down_B.tail<2>());
+        const float pitch = math::atan2(-down_B.x(), level);
+        return math::from_euler(math::EulerAngles<float>{roll, pitch, 0.0f});
+    }
+    // Of each tilt angle: the more the mean force differs from gravity, the less level it shows.
+    float tilt_variance() const {
+        constexpr float kAtRest = 0.05f;  // rad: mounting, accelerometer bias
+        const float excess = math::norm(force_B_) / (time_ * kGravity) - 1.0f;
+        return math::square(kAtRest) + math::square(excess);
+    }
+
+  private:
+    static constexpr float kTime = 0.3f;  // s
+
+    Vector force_B_ = Vector::Zero();
+    float time_ = 0.0f;
+};
+
+}  // namespace stator

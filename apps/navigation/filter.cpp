@@ -1,0 +1,142 @@
+// The error-state Kalman filter.
+#include "filter.hpp"
+
+namespace stator {
+
+namespace {
+
+constexpr float kLargestAccelBias = 1.5f;  // m/s^2
+constexpr float kLargestGyroBias = 0.2f;   // rad/s
+
+Vector clamped(const Vector& v, float most) {
+    return v.cwiseMin(most).cwiseMax(-most);
+}
+
+}  // namespace
+
+Kinematics moved(const Kinematics& start, const Motion& motion) {
+    const math::Matrix3<float> R_NB = start.q_NB.toRotationMatrix();
+    const float t = motion.time;
+    const Vector g(0.0f, 0.0f, kGravity);
+    return {.q_NB = math::normalized(start.q_NB * motion.turn),
+            .velocity_N = start.velocity_N + g * t + R_NB * motion.velocity,
+            .position_N = start.position_N + start.velocity_N * t + g * (0.5f * t * t) +
+                          R_NB * motion.position};
+}
+
+bool Filter::is_finite() const {
+    const float sum = kinematics_.q_NB.squaredNorm() + kinematics_.velocity_N.squaredNorm() +
+                      kinematics_.position_N.squaredNorm() + bias_.gyro.squaredNorm() +
+                      bias_.accel.squaredNorm() + baro_offset_ + mag_offset_;
+    return math::is_finite(sum);
+}
+
+void Filter::start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance,
+                   float heading_variance, const NavigationParams& params) {
+    *this = Filter();
+    time_us_ = time_us;
+    kinematics_.q_NB = q_NB;
+    covariance_.reset(kTurn, 2, tilt_variance);
+    covariance_.reset(kHeading, 1, heading_variance);
+    covariance_.reset(kVelocity, 3, 0.25f);
+    covariance_.reset(kPosition, 3, 0.01f);
+    covariance_.reset(kGyroBias, 3, math::square(params.gyro_bias_uncertainty));
+    covariance_.reset(kAccelBias, 3, math::square(params.accel_bias_uncertainty));
+    covariance_.reset(kBaroOffset, 1, 0.01f);
+    covariance_.reset(kMagOffset, 1, math::square(params.mag_offset_uncertainty));
+    covariance_.limit();
+}
+
+void Filter::predict(const MotionWindow::Step& step, const NavigationParams& params) {
+    Motion motion = step.motion;
+    const float time = motion.time;
+    // What the bias changed by since it was taken off.
+    motion.turn =
+        motion.turn * math::from_rotation_vector((step.bias.gyro - bias_.gyro) * time);
+    motion.velocity += (step.bias.accel - bias_.accel) * time;
+    const math::Matrix3<float> R_NB = kinematics_.q_NB.toRotationMatrix();
+    const Vector push_N = R_NB * motion.velocity;
+    const Vector turn_N = R_NB * Vector(motion.turn.vec() * 2.0f);
+    covariance_.predict(R_NB, push_N, time,
+                        {.turn = math::square(params.gyro_noise) * time,
+                         .velocity = math::square(params.accel_noise) * time,
+                         .gyro_bias = math::square(params.gyro_bias_walk) * time,
+                         .accel_bias = math::square(params.accel_bias_walk) * time,
+                         .baro_offset = math::square(params.baro_drift) * time,
+                         .mag_offset = math::square(params.mag_offset_walk) * time});
+    covariance_.limit();
+    kinematics_ = moved(kinematics_, motion);
+    time_us_ = step.end_us;
+    acceleration_N_ = push_N / time + Vector(0.0f, 0.0f, kGravity);
+    heading_rate_ = turn_N.z() / time;
+}
+
+Fusion Filter::fuse(const Sight& sight, float innovation, float variance, float gate,
+                    bool keep_tilt) {
+    const Covariance::Column seen = covariance_.seen(sight);
+    const float total =
+        sight.first_sign * seen[sight.first] + sight.second_sign * seen[sight.second] + variance;
+    const Fusion result{.innovation = innovation,
+                        .test_ratio = math::square(innovation) / (math::square(gate) * total)};
+    if (!result.fused()) return result;
+    Covariance::Column error;
+    const float scale = innovation / total;
+    for (unsigned i = 0; i < kStates; ++i) error[i] = seen[i] * scale;
+    covariance_.correct(seen, total, keep_tilt);
+    covariance_.limit();
+    inject(error, keep_tilt);
+    return result;
+}
+
+void Filter::inject(const Covariance::Column& error, bool keep_tilt) {
+    const auto part = [&error](unsigned first) {
+        return Vector(error[first], error[first + 1], error[first + 2]);
+    };
+    Vector turn_N = part(kTurn);
+    if (keep_tilt) turn_N.head<2>().setZero();
+    kinematics_.q_NB = math::normalized(math::from_rotation_vector(turn_N) * kinematics_.q_NB);
+    kinematics_.velocity_N += part(kVelocity);
+    kinematics_.position_N += part(kPosition);
+    bias_.gyro = clamped(bias_.gyro + part(kGyroBias), kLargestGyroBias);
+    bias_.accel = clamped(bias_.accel + part(kAccelBias), kLargestAccelBias);
+    baro_offset_ += error[kBaroOffset];
+    mag_offset_ = math::wrap_pi(mag_offset_ + error[kMagOffset]);
+}
+
+void Filter::set_horizontal_velocity(const Eigen::Vector2f& velocity, float variance) {
+    kinematics_.velocity_N.head<2>() = velocity;
+    covariance_.reset(kVelocity, 2, variance);
+}
+
+void Filter::set_vertical_velocity(float velocity, float variance) {
+    kinematics_.velocity_N.z() = velocity;
+    covariance_.reset(kVelocity + 2, 1, variance);
+}
+
+void Filter::set_horizontal_position(const Eigen::Vector2f& position, float variance) {
+    kinematics_.position_N.head<2>() = position;
+    covariance_.reset(kPosition, 2, variance);
+}
+
+void Filter::set_down(float down, float variance) {
+    kinematics_.position_N.z() = down;
+    covariance_.reset(kPosition + 2, 1, variance);
+}
+
+void Filter::align_heading(float error, float noise_variance, float offset_variance) {
+    const Vector down(0.0f, 0.0f, 1.0f);
+    kinematics_.q_NB = math::normalized(math::from_axis_angle(down, error) * kinematics_.q_NB);
+    mag_offset_ = 0.0f;
+    covariance_.reset(kHeading, 1, noise_variance);
+    covariance_.reset(kMagOffset, 1, 0.0f);
+    covariance_.loosen(kHeading, kMagOffset, offset_variance);
+    covariance_.limit();
+}
+
+void Filter::shift_mag_offset(float change, float variance) {
+    mag_offset_ = math::wrap_pi(mag_offset_ + change);
+    covariance_.reset(kMagOffset, 1, variance);
+    covariance_.limit();
+}
+
+}  // namespace stator

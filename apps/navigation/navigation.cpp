@@ -1,0 +1,159 @@
+// Navigation: what comes in, and what an activation does.
+#include "navigation.hpp"
+
+namespace stator {
+
+namespace {
+
+// A longer gap between IMU samples cannot be integrated across.
+constexpr float kLongestGap = 0.5f;  // s
+// The magnetometer and the barometer are thinned to this: more costs time and tells little.
+constexpr uint64_t kLeastInterval_us = 40'000;
+// Fixes that the receiver itself takes to be worse than this are not fused.
+constexpr float kWorstPosition = 25.0f;  // m
+constexpr float kWorstVelocity = 5.0f;   // m/s
+// The standard atmosphere up to 11 km (ISO 2533): h = 44330.8 m (1 - (p / 101325 Pa)^0.190263).
+constexpr float kScaleHeight = 44330.8f;
+constexpr float kPressureAtSea = 101325.0f;
+constexpr float kPressureExponent = 0.190263f;
+// At rest: no turning beyond the gyro's noise, and nothing felt but gravity.
+constexpr float kRestRate = 0.05f;   // rad/s
+constexpr float kRestForce = 0.5f;   // m/s^2
+constexpr float kRestTime = 1.0f;    // s
+
+bool is_finite(const Vector& v) {
+    return math::is_finite(v.squaredNorm());
+}
+
+// A variance from what the receiver says of its error.
+float variance_of(float error, float least) {
+    return math::square(error > least ? error : least);
+}
+
+}  // namespace
+
+void Navigation::step(NavigationPorts& ports) {
+    const NavigationParams& params = *ports.params;
+    if (ports.status)
+        disarmed_ = ports.status->arming_state == VehicleStatus::ArmingState::kDisarmed;
+    const bool moved_on = read_imu(ports);
+    if (!started_) return;
+    while (ports.gnss.next()) read_gnss(*ports.gnss, params);
+    while (ports.baro.next()) read_baro(*ports.baro);
+    while (ports.mag.next()) read_mag(*ports.mag);
+    work(params);
+    if (moved_on) publish(ports);
+    if (measured_) publish_state(ports);
+    measured_ = false;
+}
+
+// Pairs each gyro sample with the accelerometer's of the same instant, or the one after.
+bool Navigation::read_imu(NavigationPorts& ports) {
+    bool any = false;
+    while (ports.gyro.next()) {
+        const uint64_t time_us = ports.gyro->timestamp_sample;
+        const Vector rate_B = math::vector(ports.gyro->xyz);
+        while (accel_us_ < time_us && ports.accel.next()) {
+            const Vector force_B = math::vector(ports.accel->xyz);
+            if (!is_finite(force_B)) continue;
+            accel_us_ = ports.accel->timestamp_sample;
+            queued_force_B_ = force_B;
+        }
+        if (accel_us_ == 0 || time_us <= imu_us_ || !is_finite(rate_B)) continue;
+        add_imu(time_us, rate_B, *ports.params);
+        any = true;
+    }
+    return any;
+}
+
+// Samples are of instants: between two, their mean is felt.
+void Navigation::add_imu(uint64_t time_us, const Vector& rate_B, const NavigationParams& params) {
+    const float dt = imu_us_ == 0 ? 0.0f : static_cast<float>(time_us - imu_us_) * 1e-6f;
+    const Vector rate = (rate_B + rate_B_) * 0.5f;
+    const Vector force = (queued_force_B_ + force_B_) * 0.5f;
+    imu_us_ = time_us;
+    rate_B_ = rate_B;
+    force_B_ = queued_force_B_;
+    if (dt > kLongestGap) {
+        started_ = false;
+        alignment_ = Alignment();
+    }
+    if (dt == 0.0f || dt > kLongestGap) return;
+    if (!started_) {
+        if (alignment_.add(force, dt)) start(params);
+        return;
+    }
+    watch_rest(rate, force, dt);
+    window_.add(rate, force, dt);
+    if (window_.open_time() + 0.5f * dt < params.step_time) return;
+    if (window_.full()) predict(params, true);
+    window_.close(time_us, filter_.bias());
+}
+
+void Navigation::start(const NavigationParams& params) {
+    constexpr float kUnknownHeading = 3.2f;  // rad^2, of a heading that may be any
+    filter_.start(imu_us_, alignment_.attitude(), alignment_.tilt_variance(), kUnknownHeading,
+                  params);
+    window_.restart(imu_us_, filter_.bias());
+    alignment_ = Alignment();
+    velocity_aid_ = position_aid_ = height_aid_ = heading_aid_ = Aid();
+    residual_ = Residual();
+    gnss_next_ = rest_next_ = 0;
+    rest_due_us_ = output_us_ = imu_us_;
+    started_ = true;
+}
+
+void Navigation::watch_rest(const Vector& rate_B, const Vector& force_B, float dt) {
+    const Vector rate = rate_B - filter_.bias().gyro;
+    const float excess = math::norm(force_B) - kGravity;
+    const bool still = disarmed_ && rate.squaredNorm() < math::square(kRestRate) &&
+                       math::abs(excess) < kRestForce;
+    rest_s_ = still ? math::min(rest_s_ + dt, kRestTime) : 0.0f;
+}
+
+void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params) {
+    const double north_east_height =
+        fix.latitude_deg + fix.longitude_deg + fix.altitude_msl_m;
+    const Vector velocity_N(fix.vel_n_m_s, fix.vel_e_m_s, fix.vel_d_m_s);
+    const bool is_3d = fix.fix_type >= SensorGps::FixType::kFix3d;
+    if (!is_3d || !math::is_finite(north_east_height) || !(fix.eph <= kWorstPosition)) return;
+    if (!has_origin_) {
+        frame_ = math::LocalFrame({fix.latitude_deg, fix.longitude_deg});
+        origin_us_ = fix.timestamp_sample;
+        has_origin_ = true;
+    }
+    const bool has_height = fix.epv <= kWorstPosition;
+    if (has_height && !has_origin_height_) {
+        origin_height_ = fix.altitude_msl_m + static_cast<double>(filter_.kinematics().position_N.z());
+        has_origin_height_ = true;
+    }
+    const auto at = frame_.to_local({fix.latitude_deg, fix.longitude_deg});
+    const GnssMeasurement measurement{
+        .time_us = fix.timestamp_sample,
+        .velocity_N = velocity_N,
+        .position_N = Vector(static_cast<float>(at.north), static_cast<float>(at.east),
+                             static_cast<float>(origin_height_ - fix.altitude_msl_m)),
+        .velocity_variance = variance_of(fix.s_variance_m_s, params.gnss_velocity_noise),
+        .position_variance = variance_of(fix.eph, params.gnss_position_noise),
+        .height_variance = variance_of(fix.epv, params.gnss_height_noise),
+        .has_velocity = fix.vel_ned_valid && is_finite(velocity_N) &&
+                        fix.s_variance_m_s <= kWorstVelocity,
+        .has_height = has_height};
+    if (!gnss_.push(measurement)) ++late_;
+}
+
+void Navigation::read_baro(const SensorBaro& sample) {
+    if (!(sample.pressure > 0.0f) || !math::is_finite(sample.pressure)) return;
+    if (sample.timestamp_sample < baro_.newest_us() + kLeastInterval_us) return;
+    const float ratio = math::pow(sample.pressure / kPressureAtSea, kPressureExponent);
+    if (!baro_.push({sample.timestamp_sample, kScaleHeight * (1.0f - ratio)})) ++late_;
+}
+
+void Navigation::read_mag(const SensorMag& sample) {
+    const Vector field_B = math::vector(sample.xyz);
+    if (!is_finite(field_B)) return;
+    if (sample.timestamp_sample < mag_.newest_us() + kLeastInterval_us) return;
+    if (!mag_.push({sample.timestamp_sample, field_B})) ++late_;
+}
+
+}  // namespace stator

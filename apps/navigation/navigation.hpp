@@ -1,0 +1,116 @@
+// Navigation, between the sensors and everything that must know where the vehicle is.
+//
+//     IMU samples -> MotionWindow -> Filter at the horizon, `fusion_delay` ago -> moved to now
+//     satellites, barometer, magnetometer -> wait until the horizon reaches their time -^
+//
+// The filter runs late, so that each measurement meets the state of the time it was made; what the
+// IMU felt since then is one motion, with which the state is brought to now at each activation. An
+// activation fuses at most one scalar and predicts at most one step, so that its cost is bounded
+// whatever arrives at once.
+#pragma once
+
+#include "alignment.hpp"
+#include "filter.hpp"
+#include "measurements.hpp"
+#include "stator/geodesy.hpp"
+
+namespace stator {
+
+class Navigation {
+  public:
+    // Says nothing until a few tenths of a second of IMU samples have shown where level is. Then
+    // it always knows an attitude; heading, height and position as soon as their sensors speak,
+    // and the `valid` flags say which. Samples that are not finite, or not newer than the one
+    // before, are left out; after a gap in the IMU's samples it starts anew.
+    void step(NavigationPorts& ports);
+
+  private:
+    // What the output still differs by from the estimate, so that corrections do not make it jump.
+    struct Residual {
+        Vector turn_N = Vector::Zero();
+        Vector velocity_N = Vector::Zero();
+        Vector position_N = Vector::Zero();
+    };
+
+    // Inputs.
+    void read_gnss(const SensorGps& fix, const NavigationParams& params);
+    void read_baro(const SensorBaro& sample);
+    void read_mag(const SensorMag& sample);
+    bool read_imu(NavigationPorts& ports);
+    void add_imu(uint64_t time_us, const Vector& rate_B, const NavigationParams& params);
+    void start(const NavigationParams& params);
+    void watch_rest(const Vector& rate_B, const Vector& force_B, float dt);
+
+    // The filter: each returns whether it had something to do.
+    void work(const NavigationParams& params);
+    bool fuse_gnss(const NavigationParams& params);
+    bool fuse_baro(const NavigationParams& params);
+    bool fuse_mag(const NavigationParams& params);
+    bool fuse_rest(const NavigationParams& params);
+    bool predict(const NavigationParams& params, bool at_once);
+
+    void fuse_velocity(unsigned axis, const GnssMeasurement& fix, const NavigationParams& params);
+    void fuse_position(unsigned axis, const GnssMeasurement& fix, const NavigationParams& params);
+    void fuse_height(const GnssMeasurement& fix, const NavigationParams& params);
+    void align_heading(float error, const NavigationParams& params);
+    // Seconds from a measurement to the horizon.
+    float age(uint64_t time_us) const {
+        return static_cast<float>(filter_.time_us() - time_us) * 1e-6f;
+    }
+    template <class Measurement, unsigned kCapacity>
+    bool is_due(Waiting<Measurement, kCapacity>& waiting);
+
+    // Outputs.
+    void smooth(const Kinematics& before, const Kinematics& after);
+    Kinematics output() const;
+    void publish(NavigationPorts& ports);
+    VehicleLocalPosition local_position(const Kinematics& now, const NavigationParams& params) const;
+    void publish_state(NavigationPorts& ports) const;
+
+    Filter filter_;
+    MotionWindow window_;
+    Alignment alignment_;
+    bool started_ = false;
+
+    Waiting<GnssMeasurement, 8> gnss_;
+    Waiting<BaroMeasurement, 16> baro_;
+    Waiting<MagMeasurement, 16> mag_;
+    uint32_t late_ = 0;
+
+    // The newest IMU sample.
+    uint64_t imu_us_ = 0;
+    uint64_t accel_us_ = 0;
+    Vector rate_B_ = Vector::Zero();
+    Vector force_B_ = Vector::Zero();
+    Vector queued_force_B_ = Vector::Zero();
+    float rest_s_ = 0.0f;  // for how long it has been still
+    bool disarmed_ = false;
+
+    // What the fusion goes on with in the next activation.
+    unsigned gnss_next_ = 0;
+    unsigned rest_next_ = 0;
+    uint64_t rest_due_us_ = 0;
+    bool north_fused_ = false;
+    bool measured_ = false;  // something was fused since the last activation
+
+    Aid velocity_aid_;
+    Aid position_aid_;
+    Aid height_aid_;
+    Aid heading_aid_;
+    float baro_reference_ = 0.0f;  // m, what the barometer says at the origin
+
+    math::LocalFrame frame_;
+    uint64_t origin_us_ = 0;
+    double origin_height_ = 0.0;  // m, above mean sea level
+    bool has_origin_ = false;
+    bool has_origin_height_ = false;
+
+    Residual residual_;
+    bool jumped_ = false;  // something was set anew: the output follows at once
+    uint64_t output_us_ = 0;
+    VehicleLocalPosition resets_{};  // the counters and deltas of it
+    EstimatorInnovations innovations_{};
+    EstimatorStatus ratios_{};
+};
+
+}  // namespace stator

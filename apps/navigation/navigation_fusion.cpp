@@ -1,0 +1,235 @@
+// Navigation: what the filter does with each measurement once its time has come.
+#include "navigation.hpp"
+
+namespace stator {
+
+namespace {
+
+// The horizon has passed it by more than a step can make up for.
+constexpr float kTooLate = 0.1f;  // s
+// Without satellites, or at rest, the velocity is measured as zero: well at rest, hardly in flight,
+// where it only keeps the tilt with gravity.
+constexpr uint64_t kRestInterval_us = 200'000;
+constexpr float kRestVariance = 0.01f;  // m^2/s^2
+constexpr float kFlightVariance = 9.0f;
+// Without the barometer for so long, the receiver's height counts.
+constexpr float kWithoutBaro = 1.0f;  // s
+// How far the heading may be off when satellites contradict it for long.
+constexpr float kDoubt = 1.0f;  // rad^2
+// The field's level part must show a direction.
+constexpr float kLeastLevelField = 0.02f;  // gauss
+
+Sight sight_of(unsigned state) {
+    return {.first = static_cast<ErrorState>(state)};
+}
+
+}  // namespace
+
+// At most one scalar fusion, and then at most one step.
+void Navigation::work(const NavigationParams& params) {
+    const Kinematics before = moved(filter_.kinematics(), window_.ahead());
+    const bool fused = fuse_gnss(params) || fuse_baro(params) || fuse_mag(params) ||
+                       fuse_rest(params);
+    const bool nothing_left = !fused || (!is_due(gnss_) && !is_due(baro_) && !is_due(mag_));
+    if (nothing_left) predict(params, false);
+    if (!filter_.is_finite()) {
+        started_ = false;
+        return;
+    }
+    if (jumped_)
+        residual_ = Residual();
+    else
+        smooth(before, moved(filter_.kinematics(), window_.ahead()));
+    jumped_ = false;
+}
+
+// One step of the filter, if the oldest is `fusion_delay` old, or at once.
+bool Navigation::predict(const NavigationParams& params, bool at_once) {
+    if (window_.empty()) return false;
+    const float delay = static_cast<float>(imu_us_ - window_.step_end_us()) * 1e-6f;
+    if (!at_once && delay < params.fusion_delay) return false;
+    filter_.predict(window_.take(), params);
+    return true;
+}
+
+// Drops what came too late; true if one is left that the horizon has reached.
+template <class Measurement, unsigned kCapacity>
+bool Navigation::is_due(Waiting<Measurement, kCapacity>& waiting) {
+    while (!waiting.empty() && waiting.front().time_us <= filter_.time_us()) {
+        if (age(waiting.front().time_us) <= kTooLate) return true;
+        waiting.pop();
+        ++late_;
+    }
+    return false;
+}
+
+bool Navigation::fuse_gnss(const NavigationParams& params) {
+    if (!is_due(gnss_)) {
+        gnss_next_ = 0;
+        return false;
+    }
+    const GnssMeasurement& fix = gnss_.front();
+    if (gnss_next_ == 0 && !fix.has_velocity) gnss_next_ = 3;
+    if (gnss_next_ < 3)
+        fuse_velocity(gnss_next_, fix, params);
+    else if (gnss_next_ < 5)
+        fuse_position(gnss_next_ - 3, fix, params);
+    else if (fix.has_height)
+        fuse_height(fix, params);
+    if (++gnss_next_ < 6) return true;
+    gnss_next_ = 0;
+    innovations_.timestamp_sample = fix.time_us;
+    measured_ = true;
+    gnss_.pop();
+    return true;
+}
+
+void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
+                               const NavigationParams& params) {
+    const Vector expected =
+        filter_.kinematics().velocity_N - filter_.acceleration_N() * age(fix.time_us);
+    const Vector difference = fix.velocity_N - expected;
+    const float innovation = difference(axis);
+    const Fusion done = filter_.fuse(sight_of(kVelocity + axis), innovation,
+                                     fix.velocity_variance, params.gate);
+    ratios_.vel_test_ratio =
+        axis == 0 ? done.test_ratio : math::max(ratios_.vel_test_ratio, done.test_ratio);
+    if (axis == 2) {
+        innovations_.gps_vvel = innovation;
+        return;
+    }
+    innovations_.gps_hvel[axis] = innovation;
+    if (axis == 0) {
+        north_fused_ = done.fused();
+        return;
+    }
+    const bool first = !velocity_aid_.started();
+    const bool fused = !first && north_fused_ && done.fused();
+    if (!velocity_aid_.note(fused, fix.time_us, params.reset_timeout) && !first) return;
+    // Otherwise the heading is what made them differ, or the receiver.
+    if (!first) filter_.doubt_heading(kDoubt);
+    filter_.set_horizontal_velocity(fix.velocity_N.head<2>(), fix.velocity_variance);
+    velocity_aid_.accept(fix.time_us);
+    resets_.delta_vxy = {difference.x(), difference.y()};
+    ++resets_.vxy_reset_counter;
+    jumped_ = true;
+}
+
+void Navigation::fuse_position(unsigned axis, const GnssMeasurement& fix,
+                               const NavigationParams& params) {
+    const Vector expected =
+        filter_.kinematics().position_N - filter_.kinematics().velocity_N * age(fix.time_us);
+    const Vector difference = fix.position_N - expected;
+    const float innovation = difference(axis);
+    const Fusion done = filter_.fuse(sight_of(kPosition + axis), innovation,
+                                     fix.position_variance, params.gate);
+    innovations_.gps_hpos[axis] = innovation;
+    ratios_.pos_test_ratio =
+        axis == 0 ? done.test_ratio : math::max(ratios_.pos_test_ratio, done.test_ratio);
+    if (axis == 0) {
+        north_fused_ = done.fused();
+        return;
+    }
+    const bool first = !position_aid_.started();
+    const bool fused = !first && north_fused_ && done.fused();
+    if (!position_aid_.note(fused, fix.time_us, params.reset_timeout) && !first) return;
+    const Vector now = fix.position_N + filter_.kinematics().velocity_N * age(fix.time_us);
+    filter_.set_horizontal_position(now.head<2>(), fix.position_variance);
+    position_aid_.accept(fix.time_us);
+    resets_.delta_xy = {difference.x(), difference.y()};
+    ++resets_.xy_reset_counter;
+    jumped_ = true;
+}
+
+void Navigation::fuse_height(const GnssMeasurement& fix, const NavigationParams& params) {
+    const Kinematics& at = filter_.kinematics();
+    const float innovation =
+        fix.position_N.z() - (at.position_N.z() - at.velocity_N.z() * age(fix.time_us));
+    const Fusion done =
+        filter_.fuse(sight_of(kPosition + 2), innovation, fix.height_variance, params.gate);
+    innovations_.gps_vpos = innovation;
+    if (done.fused() && !height_aid_.recent(fix.time_us, kWithoutBaro)) height_aid_.accept(fix.time_us);
+}
+
+bool Navigation::fuse_baro(const NavigationParams& params) {
+    if (!is_due(baro_)) return false;
+    const BaroMeasurement sample = baro_.front();
+    baro_.pop();
+    const Kinematics& at = filter_.kinematics();
+    const float height =
+        -(at.position_N.z() - at.velocity_N.z() * age(sample.time_us)) + filter_.baro_offset();
+    const bool first = !height_aid_.started();
+    if (first) baro_reference_ = sample.height - height;
+    const float innovation = sample.height - baro_reference_ - height;
+    const Sight sight{static_cast<ErrorState>(kPosition + 2), -1.0f, kBaroOffset, 1.0f};
+    const Fusion done =
+        filter_.fuse(sight, innovation, math::square(params.baro_noise), params.gate);
+    innovations_.baro_vpos = innovation;
+    innovations_.timestamp_sample = sample.time_us;
+    ratios_.hgt_test_ratio = done.test_ratio;
+    measured_ = true;
+    if (!height_aid_.note(done.fused(), sample.time_us, params.reset_timeout)) return true;
+    filter_.set_down(at.position_N.z() - innovation, math::square(params.baro_noise));
+    filter_.set_vertical_velocity(at.velocity_N.z(), kFlightVariance);
+    height_aid_.accept(sample.time_us);
+    resets_.delta_z = -innovation;
+    ++resets_.z_reset_counter;
+    jumped_ = true;
+    return true;
+}
+
+// The direction of the field, turned level with the estimated tilt, against magnetic north.
+bool Navigation::fuse_mag(const NavigationParams& params) {
+    if (!is_due(mag_)) return false;
+    const MagMeasurement sample = mag_.front();
+    mag_.pop();
+    const Vector field_N = filter_.kinematics().q_NB * sample.field_B;
+    if (!(field_N.head<2>().squaredNorm() > math::square(kLeastLevelField))) return true;
+    const float turned = filter_.heading_rate() * age(sample.time_us);
+    const float seen = math::atan2(field_N.y(), field_N.x()) - turned;
+    const float innovation =
+        math::wrap_pi(params.magnetic_declination - seen - filter_.mag_offset());
+    if (!heading_aid_.started()) {
+        align_heading(innovation, params);
+        heading_aid_.accept(sample.time_us);
+        return true;
+    }
+    const Sight sight{kHeading, 1.0f, kMagOffset, 1.0f};
+    const Fusion done =
+        filter_.fuse(sight, innovation, math::square(params.mag_noise), params.gate, true);
+    innovations_.heading = innovation;
+    innovations_.timestamp_sample = sample.time_us;
+    ratios_.mag_test_ratio = done.test_ratio;
+    measured_ = true;
+    if (heading_aid_.note(done.fused(), sample.time_us, params.reset_timeout)) {
+        // Something magnetic came or went; the gyro knows better.
+        filter_.shift_mag_offset(innovation, math::square(params.mag_offset_uncertainty));
+        heading_aid_.accept(sample.time_us);
+    }
+    return true;
+}
+
+void Navigation::align_heading(float error, const NavigationParams& params) {
+    filter_.align_heading(error, math::square(params.mag_noise),
+                          math::square(params.mag_offset_uncertainty));
+    resets_.delta_heading = error;
+    ++resets_.heading_reset_counter;
+    jumped_ = true;
+}
+
+// One axis of a velocity of zero.
+bool Navigation::fuse_rest(const NavigationParams& params) {
+    if (filter_.time_us() < rest_due_us_) return false;
+    const unsigned axis = rest_next_;
+    rest_next_ = (axis + 1) % 3;
+    if (rest_next_ == 0) rest_due_us_ = filter_.time_us() + kRestInterval_us;
+    const bool still = rest_s_ >= 1.0f;
+    const Aid& aid = axis < 2 ? velocity_aid_ : height_aid_;
+    if (!still && aid.recent(filter_.time_us(), params.dead_reckoning_timeout)) return false;
+    const float velocity = filter_.kinematics().velocity_N(axis);
+    filter_.fuse(sight_of(kVelocity + axis), -velocity, still ? kRestVariance : kFlightVariance,
+                 1e3f);
+    return true;
+}
+
+}  // namespace stator

@@ -1,0 +1,121 @@
+// Navigation: the estimate as others see it.
+#include "navigation.hpp"
+
+namespace stator {
+
+namespace {
+
+// Over how long a correction reaches the output: slow against what a controller would answer.
+constexpr float kSmoothing = 0.25f;  // s
+constexpr float kGoodHeading = 0.35f;  // rad, 1 sigma
+constexpr float kCoasting = 1.0f;      // s without satellites that count as dead reckoning
+constexpr float kGoodPosition = 30.0f; // m, 1 sigma
+constexpr float kGoodHeight = 10.0f;   // m, 1 sigma
+
+float deviation(float variance) {
+    return math::sqrt(variance);
+}
+
+}  // namespace
+
+// A correction moved the estimate; the output goes on from where it was.
+void Navigation::smooth(const Kinematics& before, const Kinematics& after) {
+    const Quaternion turn = math::shortest(Quaternion(before.q_NB * after.q_NB.conjugate()));
+    residual_.turn_N += turn.vec() * 2.0f;
+    residual_.velocity_N += before.velocity_N - after.velocity_N;
+    residual_.position_N += before.position_N - after.position_N;
+}
+
+Kinematics Navigation::output() const {
+    Kinematics now = moved(filter_.kinematics(), window_.ahead());
+    now.q_NB = math::normalized(math::from_rotation_vector(residual_.turn_N) * now.q_NB);
+    now.velocity_N += residual_.velocity_N;
+    now.position_N += residual_.position_N;
+    return now;
+}
+
+void Navigation::publish(NavigationPorts& ports) {
+    const float dt = static_cast<float>(imu_us_ - output_us_) * 1e-6f;
+    const float keep = kSmoothing / (kSmoothing + dt);
+    output_us_ = imu_us_;
+    residual_.turn_N *= keep;
+    residual_.velocity_N *= keep;
+    residual_.position_N *= keep;
+    const Kinematics now = output();
+    ports.position.publish([&] { return local_position(now, *ports.params); });
+    ports.attitude.publish([&] {
+        return VehicleAttitude{.timestamp_sample = imu_us_, .q = math::to_array(now.q_NB)};
+    });
+}
+
+VehicleLocalPosition Navigation::local_position(const Kinematics& now,
+                                                const NavigationParams& params) const {
+    const auto variance = [this](unsigned state) { return filter_.variance(state); };
+    const float timeout = params.dead_reckoning_timeout;
+    const float position = variance(kPosition) + variance(kPosition + 1);
+    const bool position_aided = position_aid_.recent(filter_.time_us(), timeout);
+    const bool velocity_aided = velocity_aid_.recent(filter_.time_us(), timeout);
+    const bool height_aided = height_aid_.recent(filter_.time_us(), timeout);
+    const Vector acceleration_N =
+        now.q_NB * Vector(force_B_ - filter_.bias().accel) + Vector(0.0f, 0.0f, kGravity);
+    VehicleLocalPosition result = resets_;
+    result.timestamp_sample = imu_us_;
+    result.ref_timestamp = origin_us_;
+    result.ref_lat = has_origin_ ? frame_.origin().latitude_deg : 0.0;
+    result.ref_lon = has_origin_ ? frame_.origin().longitude_deg : 0.0;
+    result.ref_alt = static_cast<float>(origin_height_);
+    result.x = now.position_N.x();
+    result.y = now.position_N.y();
+    result.z = now.position_N.z();
+    result.vx = now.velocity_N.x();
+    result.vy = now.velocity_N.y();
+    result.vz = now.velocity_N.z();
+    result.ax = acceleration_N.x();
+    result.ay = acceleration_N.y();
+    result.az = acceleration_N.z();
+    result.heading = math::heading(now.q_NB);
+    result.eph = deviation(position);
+    result.epv = deviation(variance(kPosition + 2));
+    result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1));
+    result.evv = deviation(variance(kVelocity + 2));
+    result.xy_valid = position_aided && position < math::square(kGoodPosition);
+    result.z_valid = height_aided && result.epv < kGoodHeight;
+    result.v_xy_valid = velocity_aided || position_aided;
+    result.v_z_valid = result.z_valid;
+    result.xy_global = has_origin_;
+    result.z_global = has_origin_height_;
+    result.heading_good_for_control = variance(kHeading) < math::square(kGoodHeading);
+    result.dead_reckoning = !position_aid_.recent(filter_.time_us(), kCoasting) &&
+                            !velocity_aid_.recent(filter_.time_us(), kCoasting);
+    return result;
+}
+
+void Navigation::publish_state(NavigationPorts& ports) const {
+    ports.innovations.publish([&] { return innovations_; });
+    const auto variances = [this](unsigned first) {
+        return std::array<float, 3>{filter_.variance(first), filter_.variance(first + 1),
+                                    filter_.variance(first + 2)};
+    };
+    ports.bias.publish([&] {
+        return EstimatorSensorBias{.timestamp_sample = filter_.time_us(),
+                                   .gyro_bias = math::to_array(filter_.bias().gyro),
+                                   .gyro_bias_variance = variances(kGyroBias),
+                                   .accel_bias = math::to_array(filter_.bias().accel),
+                                   .accel_bias_variance = variances(kAccelBias),
+                                   .baro_offset = filter_.baro_offset(),
+                                   .mag_offset = filter_.mag_offset()};
+    });
+    ports.estimator.publish([&] {
+        EstimatorStatus status = ratios_;
+        status.timestamp_sample = filter_.time_us();
+        status.pos_horiz_accuracy =
+            deviation(filter_.variance(kPosition) + filter_.variance(kPosition + 1));
+        status.pos_vert_accuracy = deviation(filter_.variance(kPosition + 2));
+        status.tilt_accuracy = deviation(filter_.variance(kTurn) + filter_.variance(kTurn + 1));
+        status.heading_accuracy = deviation(filter_.variance(kHeading));
+        status.late_measurements = late_;
+        return status;
+    });
+}
+
+}  // namespace stator

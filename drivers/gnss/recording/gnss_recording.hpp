@@ -1,0 +1,24 @@
+// A satellite receiver whose fixes come from a recording.
+#pragma once
+
+#include <cstdint>
+
+#include "gnss_ports.hpp"
+
+namespace stator {
+
+class GnssRecording {
+  public:
+    // The newest fix of the recording. The board writes it, then raises received.
+    struct Device {
+        SensorGps fix;
+    };
+
+    explicit GnssRecording(Device& device) : device_(device) {}
+    void step(GnssPorts& ports);
+
+  private:
+    Device& device_;
+};
+
+}  // namespace stator
