@@ -8,8 +8,28 @@ namespace {
 constexpr float kLargestAccelBias = 1.5f;  // m/s^2
 constexpr float kLargestGyroBias = 0.2f;   // rad/s
 
+// A step longer than this spans a gap between samples, in which the vehicle did what nobody saw:
+// it turned and accelerated otherwise by about this much.
+constexpr float kGap = 0.1f;        // s
+constexpr float kGapRate = 0.1f;    // rad/s
+constexpr float kGapForce = 1.0f;   // m/s^2
+
 Vector clamped(const Vector& v, float most) {
     return v.cwiseMin(most).cwiseMax(-most);
+}
+
+Covariance::Noise noise_of(float time, const NavigationParams& params) {
+    Covariance::Noise noise{.turn = math::square(params.gyro_noise) * time,
+                            .velocity = math::square(params.accel_noise) * time,
+                            .gyro_bias = math::square(params.gyro_bias_walk) * time,
+                            .accel_bias = math::square(params.accel_bias_walk) * time,
+                            .baro_offset = math::square(params.baro_drift) * time,
+                            .mag_offset = math::square(params.mag_offset_walk) * time};
+    if (time > kGap) {
+        noise.turn += math::square(kGapRate * time);
+        noise.velocity += math::square(kGapForce * time);
+    }
+    return noise;
 }
 
 }  // namespace
@@ -57,13 +77,7 @@ void Filter::predict(const MotionWindow::Step& step, const NavigationParams& par
     const math::Matrix3<float> R_NB = kinematics_.q_NB.toRotationMatrix();
     const Vector push_N = R_NB * motion.velocity;
     const Vector turn_N = R_NB * Vector(motion.turn.vec() * 2.0f);
-    covariance_.predict(R_NB, push_N, time,
-                        {.turn = math::square(params.gyro_noise) * time,
-                         .velocity = math::square(params.accel_noise) * time,
-                         .gyro_bias = math::square(params.gyro_bias_walk) * time,
-                         .accel_bias = math::square(params.accel_bias_walk) * time,
-                         .baro_offset = math::square(params.baro_drift) * time,
-                         .mag_offset = math::square(params.mag_offset_walk) * time});
+    covariance_.predict(R_NB, push_N, time, noise_of(time, params));
     covariance_.limit();
     kinematics_ = moved(kinematics_, motion);
     time_us_ = step.end_us;

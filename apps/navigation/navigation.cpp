@@ -6,7 +6,7 @@ namespace stator {
 namespace {
 
 // A longer gap between IMU samples cannot be integrated across.
-constexpr float kLongestGap = 0.5f;  // s
+constexpr float kLongestGap = 2.0f;  // s
 // The magnetometer and the barometer are thinned to this: more costs time and tells little.
 constexpr uint64_t kLeastInterval_us = 40'000;
 // Fixes that the receiver itself takes to be worse than this are not fused.
