@@ -104,8 +104,7 @@ void Covariance::mirror(unsigned first) {
 Covariance::Column Covariance::seen(const Sight& sight) const {
     Column result;
     for (unsigned i = 0; i < kStates; ++i) {
-        result[i] =
-            sight.first_sign * p_[sight.first][i] + sight.second_sign * p_[sight.second][i];
+        result[i] = sight.first_sign * p_[sight.first][i] + sight.second_sign * p_[sight.second][i];
     }
     return result;
 }

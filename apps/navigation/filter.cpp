@@ -10,9 +10,14 @@ constexpr float kLargestGyroBias = 0.2f;   // rad/s
 
 // A step longer than this spans a gap between samples, in which the vehicle did what nobody saw:
 // it turned and accelerated otherwise by about this much.
-constexpr float kGap = 0.1f;        // s
-constexpr float kGapRate = 0.1f;    // rad/s
-constexpr float kGapForce = 1.0f;   // m/s^2
+constexpr float kGap = 0.1f;       // s
+constexpr float kGapRate = 0.1f;   // rad/s
+constexpr float kGapForce = 1.0f;  // m/s^2
+
+// Below, the force along the ground is noise and the tilt's error, and says nothing of the heading:
+// taken for true it would make the filter sure of a heading that nobody measured.
+constexpr float kTellingForce = 0.5f;  // m/s^2
+constexpr float kTellingTime = 1.0f;   // s
 
 Vector clamped(const Vector& v, float most) {
     return v.cwiseMin(most).cwiseMax(-most);
@@ -30,6 +35,15 @@ Covariance::Noise noise_of(float time, const NavigationParams& params) {
         noise.velocity += math::square(kGapForce * time);
     }
     return noise;
+}
+
+// What an unknown heading hides from the first order: a push seen under an error psi is wrong by
+// psi^2 / 2 of it along itself, E psi^4 = 3 sigma^4. That error lasts, so that it adds up over the
+// steps between two fixes. Without it the filter is sure of a heading long before it is right.
+float second_order(const Vector& push_N, float time, float heading_variance) {
+    constexpr float kBetweenFixes = 0.2f;  // s
+    return push_N.head<2>().squaredNorm() * 0.75f * math::square(heading_variance) *
+           (kBetweenFixes / time);
 }
 
 }  // namespace
@@ -71,13 +85,17 @@ void Filter::predict(const MotionWindow::Step& step, const NavigationParams& par
     Motion motion = step.motion;
     const float time = motion.time;
     // What the bias changed by since it was taken off.
-    motion.turn =
-        motion.turn * math::from_rotation_vector((step.bias.gyro - bias_.gyro) * time);
+    motion.turn = motion.turn * math::from_rotation_vector((step.bias.gyro - bias_.gyro) * time);
     motion.velocity += (step.bias.accel - bias_.accel) * time;
     const math::Matrix3<float> R_NB = kinematics_.q_NB.toRotationMatrix();
     const Vector push_N = R_NB * motion.velocity;
     const Vector turn_N = R_NB * Vector(motion.turn.vec() * 2.0f);
-    covariance_.predict(R_NB, push_N, time, noise_of(time, params));
+    Vector seen_push_N = push_N;
+    level_force_N_ += (push_N.head<2>() - level_force_N_ * time) / (kTellingTime + time);
+    if (level_force_N_.squaredNorm() < math::square(kTellingForce)) seen_push_N.head<2>().setZero();
+    Covariance::Noise noise = noise_of(time, params);
+    noise.velocity += second_order(seen_push_N, time, variance(kHeading));
+    covariance_.predict(R_NB, seen_push_N, time, noise);
     covariance_.limit();
     kinematics_ = moved(kinematics_, motion);
     time_us_ = step.end_us;

@@ -68,6 +68,7 @@ class Filter {
     Covariance covariance_;
     Vector acceleration_N_ = Vector::Zero();
     float heading_rate_ = 0.0f;
+    Eigen::Vector2f level_force_N_ = Eigen::Vector2f::Zero();  // low-passed
     uint64_t time_us_ = 0;
 };
 

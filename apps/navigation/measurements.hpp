@@ -11,7 +11,8 @@ namespace stator {
 struct GnssMeasurement {
     uint64_t time_us = 0;
     Vector velocity_N = Vector::Zero();
-    Vector position_N = Vector::Zero();
+    Vector position_N = Vector::Zero();  // down: 0
+    double height = 0.0;                 // m, above mean sea level
     float velocity_variance = 0.0f;
     float position_variance = 0.0f;
     float height_variance = 0.0f;

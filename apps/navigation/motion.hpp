@@ -1,7 +1,8 @@
 // What an IMU feels over a time: turns, and changes of velocity and position in the frame that the
 // body had at its beginning, gravity left out.
 //
-//     R_1 = R_0 turn,  v_1 = v_0 + g t + R_0 velocity,  p_1 = p_0 + v_0 t + g t^2 / 2 + R_0 position
+//     R_1 = R_0 turn,  v_1 = v_0 + g t + R_0 velocity,  p_1 = p_0 + v_0 t + g t^2 / 2 + R_0
+//     position
 //
 // Motions compose exactly, whatever the vehicle does: so samples can be summed into steps without
 // coning and sculling errors, and parts taken off again (C. Forster, L. Carlone, F. Dellaert,

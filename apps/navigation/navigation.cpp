@@ -17,9 +17,9 @@ constexpr float kScaleHeight = 44330.8f;
 constexpr float kPressureAtSea = 101325.0f;
 constexpr float kPressureExponent = 0.190263f;
 // At rest: no turning beyond the gyro's noise, and nothing felt but gravity.
-constexpr float kRestRate = 0.05f;   // rad/s
-constexpr float kRestForce = 0.5f;   // m/s^2
-constexpr float kRestTime = 1.0f;    // s
+constexpr float kRestRate = 0.05f;  // rad/s
+constexpr float kRestForce = 0.5f;  // m/s^2
+constexpr float kRestTime = 1.0f;   // s
 
 bool is_finite(const Vector& v) {
     return math::is_finite(v.squaredNorm());
@@ -106,14 +106,13 @@ void Navigation::start(const NavigationParams& params) {
 void Navigation::watch_rest(const Vector& rate_B, const Vector& force_B, float dt) {
     const Vector rate = rate_B - filter_.bias().gyro;
     const float excess = math::norm(force_B) - kGravity;
-    const bool still = disarmed_ && rate.squaredNorm() < math::square(kRestRate) &&
-                       math::abs(excess) < kRestForce;
+    const bool still =
+        disarmed_ && rate.squaredNorm() < math::square(kRestRate) && math::abs(excess) < kRestForce;
     rest_s_ = still ? math::min(rest_s_ + dt, kRestTime) : 0.0f;
 }
 
 void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params) {
-    const double north_east_height =
-        fix.latitude_deg + fix.longitude_deg + fix.altitude_msl_m;
+    const double north_east_height = fix.latitude_deg + fix.longitude_deg + fix.altitude_msl_m;
     const Vector velocity_N(fix.vel_n_m_s, fix.vel_e_m_s, fix.vel_d_m_s);
     const bool is_3d = fix.fix_type >= SensorGps::FixType::kFix3d;
     if (!is_3d || !math::is_finite(north_east_height) || !(fix.eph <= kWorstPosition)) return;
@@ -123,21 +122,17 @@ void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params)
         has_origin_ = true;
     }
     const bool has_height = fix.epv <= kWorstPosition;
-    if (has_height && !has_origin_height_) {
-        origin_height_ = fix.altitude_msl_m + static_cast<double>(filter_.kinematics().position_N.z());
-        has_origin_height_ = true;
-    }
     const auto at = frame_.to_local({fix.latitude_deg, fix.longitude_deg});
     const GnssMeasurement measurement{
         .time_us = fix.timestamp_sample,
         .velocity_N = velocity_N,
-        .position_N = Vector(static_cast<float>(at.north), static_cast<float>(at.east),
-                             static_cast<float>(origin_height_ - fix.altitude_msl_m)),
+        .position_N = Vector(static_cast<float>(at.north), static_cast<float>(at.east), 0.0f),
+        .height = fix.altitude_msl_m,
         .velocity_variance = variance_of(fix.s_variance_m_s, params.gnss_velocity_noise),
         .position_variance = variance_of(fix.eph, params.gnss_position_noise),
         .height_variance = variance_of(fix.epv, params.gnss_height_noise),
-        .has_velocity = fix.vel_ned_valid && is_finite(velocity_N) &&
-                        fix.s_variance_m_s <= kWorstVelocity,
+        .has_velocity =
+            fix.vel_ned_valid && is_finite(velocity_N) && fix.s_variance_m_s <= kWorstVelocity,
         .has_height = has_height};
     if (!gnss_.push(measurement)) ++late_;
 }

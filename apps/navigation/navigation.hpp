@@ -64,7 +64,8 @@ class Navigation {
     void smooth(const Kinematics& before, const Kinematics& after);
     Kinematics output() const;
     void publish(NavigationPorts& ports);
-    VehicleLocalPosition local_position(const Kinematics& now, const NavigationParams& params) const;
+    VehicleLocalPosition local_position(const Kinematics& now,
+                                        const NavigationParams& params) const;
     void publish_state(NavigationPorts& ports) const;
 
     Filter filter_;

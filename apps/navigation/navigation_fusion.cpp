@@ -28,8 +28,8 @@ Sight sight_of(unsigned state) {
 // At most one scalar fusion, and then at most one step.
 void Navigation::work(const NavigationParams& params) {
     const Kinematics before = moved(filter_.kinematics(), window_.ahead());
-    const bool fused = fuse_gnss(params) || fuse_baro(params) || fuse_mag(params) ||
-                       fuse_rest(params);
+    const bool fused =
+        fuse_gnss(params) || fuse_baro(params) || fuse_mag(params) || fuse_rest(params);
     const bool nothing_left = !fused || (!is_due(gnss_) && !is_due(baro_) && !is_due(mag_));
     if (nothing_left) predict(params, false);
     if (!filter_.is_finite()) {
@@ -90,8 +90,8 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
         filter_.kinematics().velocity_N - filter_.acceleration_N() * age(fix.time_us);
     const Vector difference = fix.velocity_N - expected;
     const float innovation = difference(axis);
-    const Fusion done = filter_.fuse(sight_of(kVelocity + axis), innovation,
-                                     fix.velocity_variance, params.gate);
+    const Fusion done =
+        filter_.fuse(sight_of(kVelocity + axis), innovation, fix.velocity_variance, params.gate);
     ratios_.vel_test_ratio =
         axis == 0 ? done.test_ratio : math::max(ratios_.vel_test_ratio, done.test_ratio);
     if (axis == 2) {
@@ -121,8 +121,8 @@ void Navigation::fuse_position(unsigned axis, const GnssMeasurement& fix,
         filter_.kinematics().position_N - filter_.kinematics().velocity_N * age(fix.time_us);
     const Vector difference = fix.position_N - expected;
     const float innovation = difference(axis);
-    const Fusion done = filter_.fuse(sight_of(kPosition + axis), innovation,
-                                     fix.position_variance, params.gate);
+    const Fusion done =
+        filter_.fuse(sight_of(kPosition + axis), innovation, fix.position_variance, params.gate);
     innovations_.gps_hpos[axis] = innovation;
     ratios_.pos_test_ratio =
         axis == 0 ? done.test_ratio : math::max(ratios_.pos_test_ratio, done.test_ratio);
@@ -143,12 +143,15 @@ void Navigation::fuse_position(unsigned axis, const GnssMeasurement& fix,
 
 void Navigation::fuse_height(const GnssMeasurement& fix, const NavigationParams& params) {
     const Kinematics& at = filter_.kinematics();
-    const float innovation =
-        fix.position_N.z() - (at.position_N.z() - at.velocity_N.z() * age(fix.time_us));
+    const float down = at.position_N.z() - at.velocity_N.z() * age(fix.time_us);
+    if (!has_origin_height_) origin_height_ = fix.height + static_cast<double>(down);
+    has_origin_height_ = true;
+    const float innovation = static_cast<float>(origin_height_ - fix.height) - down;
     const Fusion done =
         filter_.fuse(sight_of(kPosition + 2), innovation, fix.height_variance, params.gate);
     innovations_.gps_vpos = innovation;
-    if (done.fused() && !height_aid_.recent(fix.time_us, kWithoutBaro)) height_aid_.accept(fix.time_us);
+    if (done.fused() && !height_aid_.recent(fix.time_us, kWithoutBaro))
+        height_aid_.accept(fix.time_us);
 }
 
 bool Navigation::fuse_baro(const NavigationParams& params) {

@@ -6,11 +6,11 @@ namespace stator {
 namespace {
 
 // Over how long a correction reaches the output: slow against what a controller would answer.
-constexpr float kSmoothing = 0.25f;  // s
-constexpr float kGoodHeading = 0.35f;  // rad, 1 sigma
-constexpr float kCoasting = 1.0f;      // s without satellites that count as dead reckoning
-constexpr float kGoodPosition = 30.0f; // m, 1 sigma
-constexpr float kGoodHeight = 10.0f;   // m, 1 sigma
+constexpr float kSmoothing = 0.25f;     // s
+constexpr float kGoodHeading = 0.35f;   // rad, 1 sigma
+constexpr float kCoasting = 1.0f;       // s without satellites that count as dead reckoning
+constexpr float kGoodPosition = 30.0f;  // m, 1 sigma
+constexpr float kGoodHeight = 10.0f;    // m, 1 sigma
 
 float deviation(float variance) {
     return math::sqrt(variance);

@@ -10,10 +10,10 @@ namespace stator::board {
 
 // One sample of one device: a row of float64, little-endian, in the file.
 struct Row {
-    double arrival_us;            // when the device shows it; grows from row to row
-    double device;                // a Row::Device
-    double timestamp_sample;      // us
-    std::array<double, 9> values; // unused ones are 0
+    double arrival_us;             // when the device shows it; grows from row to row
+    double device;                 // a Row::Device
+    double timestamp_sample;       // us
+    std::array<double, 9> values;  // unused ones are 0
 
     enum Device : int {
         kImu = 0,   // gyro xyz [rad/s], accelerometer xyz [m/s^2], body frame

@@ -64,6 +64,10 @@ def block(device: int, arrival_ms: Array, delay_ms: float, *values: Array | floa
     return rows
 
 
+def write_rows(path: Path, rows: Array) -> None:
+    path.write_bytes(rows.astype("<f8").tobytes())
+
+
 def merged(blocks: list[Array]) -> Array:
     """In order of arrival, finite, and each device's samples newer than the one before."""
     kept = []

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from stator.flight_recordings import COLUMNS, IMU, MAG, RecordingError, write_rows
 from stator.library import HOME
 
 GRAPH = HOME / "graph" / "attitude_recording.yaml"
@@ -31,13 +32,6 @@ Array = npt.NDArray[np.float64]
 # From north-east-down, where the node says its attitude, to east-north-up, where the truth is:
 # half a turn about the line between north and east.
 ENU_FROM_NED = np.array([0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0])
-
-
-class RecordingError(Exception):
-    """What is wrong with the recordings, and what to do about it."""
-
-    def __init__(self, problem: str, hint: str) -> None:
-        super().__init__(f"error: {problem}; {hint}")
 
 
 @dataclass(frozen=True)
@@ -148,10 +142,24 @@ def planes_of(path: Path, data: bytes) -> Array:
 def estimate(program: Path, data: bytes, samples: int) -> Array:
     """The attitude in the truth's frame for each sample: the newest that the graph published."""
     with tempfile.TemporaryDirectory() as folder:
-        recording, log = Path(folder) / "recording.f32", Path(folder) / "attitude.ulg"
-        recording.write_bytes(data)
+        recording, log = Path(folder) / "recording", Path(folder) / "attitude.ulg"
+        write_rows(recording, rows_of(data))
         subprocess.run([program, "--recording", recording, "--log", log], check=True)
         return product(ENU_FROM_NED, attitudes_in(log, samples))
+
+
+def rows_of(data: bytes) -> Array:
+    """For the board `replay`: in each period both devices have a sample."""
+    planes = np.frombuffer(data, "<f4").reshape(PLANES, -1)
+    times_us = (np.arange(planes.shape[1]) + 1) * float(PERIOD_US)
+    gauss = planes[6:9] * np.float32(0.01)
+    imu = np.zeros((planes.shape[1], COLUMNS))
+    imu[:, 0] = imu[:, 2] = times_us
+    mag = imu.copy()
+    imu[:, 1], imu[:, 3:9] = IMU, planes[:6].T
+    mag[:, 1], mag[:, 3:6] = MAG, gauss.T
+    result: Array = np.stack([imu, mag], axis=1).reshape(-1, COLUMNS)
+    return result
 
 
 def attitudes_in(log: Path, samples: int) -> Array:

@@ -12,7 +12,7 @@ class MagRecording {
   public:
     // The sample that is current in the recording. The board writes it, then raises data_ready.
     struct Device {
-        uint64_t timestamp_sample = 0;      // us
+        uint64_t timestamp_sample = 0;   // us
         std::array<float, 3> field_B{};  // gauss
     };
 
