@@ -257,14 +257,18 @@ def test_it_is_as_good_as_basic_vqf_on_real_recordings(capsys: pytest.CaptureFix
         (["--log", "{folder}/log"], "wrong arguments"),
         (["--recording"], "wrong arguments"),
         (["--recording", "{folder}/nowhere"], "cannot read the recording '{folder}/nowhere'"),
-        (["--recording", "{folder}/short"], "its size is not that of 14 planes"),
+        (["--recording", "{folder}/short"], "its size is not that of rows of 12"),
+        (["--recording", "{folder}/mixed"], "its rows are not in order of time"),
         (["--recording", "{folder}"], "cannot read the recording"),
         (["--recording", "{folder}/good", "--log", "{folder}/no/log"], "cannot open"),
     ],
 )
 def test_the_replay_says_what_is_wrong(arguments: list[str], problem: str, tmp_path: Path) -> None:
-    (tmp_path / "short").write_bytes(bytes(score.PLANES * 4 + 4))
-    (tmp_path / "good").write_bytes(bytes(score.PLANES * 4))
+    rows = np.zeros((2, score.COLUMNS))
+    (tmp_path / "short").write_bytes(rows.tobytes()[:-4])
+    (tmp_path / "good").write_bytes(rows.tobytes())
+    rows[0, 0] = 1000
+    (tmp_path / "mixed").write_bytes(rows.tobytes())
     program = build(score.GRAPH, score.BOARD)
     command = [str(program), *(argument.format(folder=tmp_path) for argument in arguments)]
     result = subprocess.run(command, check=False, capture_output=True, text=True)
