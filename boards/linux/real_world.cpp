@@ -10,6 +10,7 @@
 namespace stator::board {
 
 bool RealWorld::begin() {
+    truth_is_whole_ = truth_ == nullptr || write_truth_head(truth_);
     const auto run = [](void* object) { static_cast<RealWorld*>(object)->run(); };
     return make_device_thread(thread_, "world", run, this);
 }
@@ -27,9 +28,8 @@ void RealWorld::run() {
         if (ends_.load()) return;
         obey(event_us);
         hand_over(world_.move_to_next_event(), event_us);
-        const Plant& plant = world_.plant();
-        if (truth_ != nullptr && plant.time_us() % kTruthPeriod_us == 0) {
-            truth_is_whole_ = write_truth(truth_, plant) && truth_is_whole_;
+        if (truth_ != nullptr && event_us % kTruthPeriod_us == 0) {
+            truth_is_whole_ = write_truth(truth_, world_) && truth_is_whole_;
         }
         if (world_.is_over() && !was_over) stop();
         was_over = world_.is_over();

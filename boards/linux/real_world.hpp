@@ -53,7 +53,7 @@ class RealWorld {
 
     World world_;
     std::FILE* truth_;
-    bool truth_is_whole_ = true;
+    bool truth_is_whole_ = false;
     std::uint64_t missed_samples_ = 0;
     pthread_t thread_{};
     std::atomic<bool> ends_{false};
