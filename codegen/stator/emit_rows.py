@@ -77,6 +77,9 @@ def defaults(plan: Plan, message: Message) -> dict[str, str]:
 
 
 def _cpp_type(field: Field) -> str:
+    # One number, where its size is one: a compiler clears the whole message for an empty array.
+    if field.name.startswith("_padding") and field.bytes in (1, 2, 4):
+        return f"uint{8 * field.bytes}_t"
     single = upper_camel(field.name) if field.values else TYPES[field.type][0]
     return single if field.count is None else f"std::array<{single}, {field.count}>"
 
@@ -134,16 +137,17 @@ def ports(interface: Interface) -> Row:
 
 
 def pend(plan: Plan, task: Task) -> str:
-    return pends(plan, [task])[0]
+    word, bit = _place(plan, task)
+    return f"{{{word}, {1 << bit:#x}}}"
 
 
-def pends(plan: Plan, tasks: list[Task]) -> list[str]:
-    """One entry for each word that the tasks' bits lie in. The word of the most urgent task comes
-    first."""
+def pends(plan: Plan, woken: list[Task], thinned: list[Task]) -> list[str]:
+    """One entry for each word that subscribers' bits lie in, with the bits that are always set. The
+    word of the most urgent task comes first."""
     words: dict[int, int] = {}
-    for task in sorted(tasks, key=lambda task: task.index):
+    for task in sorted((*woken, *thinned), key=lambda task: task.index):
         word, bit = _place(plan, task)
-        words[word] = words.get(word, 0) | 1 << bit
+        words[word] = words.get(word, 0) | (1 << bit if task in woken else 0)
     return [f"{{{word}, {mask:#x}}}" for word, mask in words.items()]
 
 
@@ -162,7 +166,7 @@ def _place(plan: Plan, task: Task) -> tuple[int, int]:
 
 def topic(plan: Plan, planned: TopicPlan) -> Row:
     woken: list[Task] = []
-    thinned: list[Row] = []
+    intervals: dict[str, int] = {}
     for name, _ in planned.readers:
         trigger = plan.graph.nodes[name].trigger_of(planned.name)
         if trigger is None:
@@ -170,13 +174,8 @@ def topic(plan: Plan, planned: TopicPlan) -> Row:
         if trigger.min_interval_us is None:
             woken.append(plan.task(name))
         else:
-            thinned.append(
-                {
-                    "node": name,
-                    "interval_us": trigger.min_interval_us,
-                    "pend": pend(plan, plan.task(name)),
-                }
-            )
+            intervals[name] = trigger.min_interval_us
+    thinned = [plan.task(name) for name in intervals]
     return {
         "name": planned.name,
         "message": planned.message.name,
@@ -185,8 +184,12 @@ def topic(plan: Plan, planned: TopicPlan) -> Row:
         "slots": planned.slots,
         "ceiling": planned.ceiling,
         "ring": 2 * planned.depth if planned.depth > 1 else 0,
-        "subscribers": pends(plan, woken),
-        "thinned": thinned,
+        # Threads pend thinned tasks by themselves.
+        "subscribers": pends(plan, woken, [] if plan.board.executor == "pthread" else thinned),
+        "thinned": [
+            {"node": t.node.name, "interval_us": intervals[t.node.name], "pend": pend(plan, t)}
+            for t in thinned
+        ],
     }
 
 

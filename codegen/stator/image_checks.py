@@ -33,9 +33,10 @@ LIBM = frozenset(f"{name}{suffix}" for suffix in ("", "f", "l") for name in NAME
 MASKS = re.compile(r"\t(cps(id|ie)\b|msr\s+(primask|faultmask)\b)", re.IGNORECASE)
 BASEPRI = re.compile(r"\tmsr\s+basepri(_max)?\b", re.IGNORECASE)
 FUNCTION = re.compile(r"^[0-9a-f]+ <(.+)>:$")
-# The topic operations that several publishing levels need; the last one for their
-# thinned subscribers.
-SECTIONS = ("stator::loan_in_history(", "stator::commit_to_history(", "stator::pend_thinned(")
+# Of topics that several levels publish (templates/topics.cpp.j2).
+SECTION = re.compile(
+    r"stator::topics::(?P<topic>\w+)_parts::(?P<operation>loan|commit|is_due)_in_section\("
+)
 # boards/stm32f4/dma.hpp, and the generated linker script.
 DMA_BUFFER = "stator::stm32f4::DmaBuffer<"
 STACK = ("stator_stack_begin", "stator_stack_end")
@@ -82,7 +83,7 @@ def _instruction_faults(image: Path) -> list[str]:
             function = start.group(1)
         elif MASKS.search(line):
             faults.append(f"{function} masks all interrupts: {' '.join(line.split()[1:])}")
-        elif BASEPRI.search(line) and not function.startswith(SECTIONS):
+        elif BASEPRI.search(line) and not SECTION.match(function):
             faults.append(f"{function} writes BASEPRI, which only topic operations may")
     return faults
 

@@ -26,6 +26,7 @@ struct Topic64 {
                         .ring = nullptr,
                         .subscribers = nullptr,
                         .thinned = nullptr,
+                        .in_section = nullptr,
                         .sample_bytes = sizeof(Sample),
                         .subscriber_count = 0,
                         .thinned_count = 0,

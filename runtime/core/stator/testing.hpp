@@ -32,6 +32,7 @@ class Probe {
                  .ring = nullptr,
                  .subscribers = nullptr,
                  .thinned = nullptr,
+                 .in_section = nullptr,
                  .sample_bytes = sizeof(Message),
                  .subscriber_count = 0,
                  .thinned_count = 0,

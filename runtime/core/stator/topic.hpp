@@ -25,14 +25,14 @@ class Shared {
     constexpr Shared() = default;
     explicit constexpr Shared(Value value) : value_(value) {}
 
-    Value load() const {
+    [[gnu::always_inline]] Value load() const {
         preemption_point();
         std::atomic_signal_fence(std::memory_order_seq_cst);
         const Value value = value_.load(std::memory_order_relaxed);
         std::atomic_signal_fence(std::memory_order_seq_cst);
         return value;
     }
-    void store(Value value) {
+    [[gnu::always_inline]] void store(Value value) {
         preemption_point();
         std::atomic_signal_fence(std::memory_order_seq_cst);
         value_.store(value, std::memory_order_relaxed);
@@ -95,13 +95,15 @@ struct Thinned {
 };
 
 // One row of the generated topic table; constant.
+struct InSection;
 struct Topic {
     TopicState* state;
     void* samples;             // `slots` samples of the message
     Shared<uint32_t>* number;  // per slot: the number of its sample
-    Shared<uint8_t>* ring;     // 2 * depth slots, newest last; unused at depth 1
-    const Pend* subscribers;
+    Shared<uint32_t>* ring;    // the last 2 * depth samples, as masks; unused at depth 1
+    const Pend* subscribers;   // one entry for each word that subscribers' bits lie in
     const Thinned* thinned;
+    const InSection* in_section;  // if several levels publish
     uint16_t sample_bytes;
     uint8_t subscriber_count;
     uint8_t thinned_count;
@@ -129,17 +131,16 @@ inline constexpr bool kTakesNeedSeen = false;
 
 // Takes the newest sample. False if there is none yet: then nothing is held.
 // Constant time; any context above hardware priority 0.
-inline bool take_latest(const Topic& topic, uint32_t /*seen*/, Pin& pin, bool marks = true) {
+[[gnu::always_inline]] inline bool take_latest(const Topic& topic, uint32_t /*seen*/, Pin& pin,
+                                               bool marks = true) {
     TopicState& state = *topic.state;
     uint32_t mask = state.history.load();
     if (mask == 0) return false;
-    if (topic.depth == 1) {
-        pin.slot = static_cast<uint32_t>(std::countl_zero(mask));
-    } else {
+    if (topic.depth != 1) {
         const uint32_t head = state.head.load();
-        pin.slot = topic.ring[(head - 1) & (2U * topic.depth - 1)].load();
-        mask = slot_mask(pin.slot);
+        mask = topic.ring[(head - 1) & (2U * topic.depth - 1)].load();
     }
+    pin.slot = static_cast<uint32_t>(std::countl_zero(mask));
     if (!marks) return true;
     pin.saved_free = state.free.load();
     state.free.store(pin.saved_free & ~mask);
@@ -153,8 +154,8 @@ inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
 // Takes the oldest sample after number `cursor`, moves `cursor` on to it and adds to `lost` what
 // the history no longer holds. False if there is none. A round repeats only if a publication
 // overtook it: at most once per activation of a publisher that preempts it.
-inline bool take_next(const Topic& topic, uint32_t& cursor, uint32_t& lost, Pin& pin,
-                      bool marks = true) {
+[[gnu::always_inline]] inline bool take_next(const Topic& topic, uint32_t& cursor, uint32_t& lost,
+                                             Pin& pin, bool marks = true) {
     TopicState& state = *topic.state;
     if (topic.depth == 1) {
         if (!take_latest(topic, cursor, pin, marks)) return false;
@@ -178,9 +179,10 @@ inline bool take_next(const Topic& topic, uint32_t& cursor, uint32_t& lost, Pin&
             return false;
         }
         if (head - next > depth) next = head - depth;
-        pin.slot = topic.ring[next & (2 * depth - 1)].load();
+        const uint32_t mask = topic.ring[next & (2 * depth - 1)].load();
+        pin.slot = static_cast<uint32_t>(std::countl_zero(mask));
         if (!marks) break;
-        state.free.store(pin.saved_free & ~slot_mask(pin.slot));
+        state.free.store(pin.saved_free & ~mask);
     } while (state.head.load() - next > depth);
     lost += next - cursor;
     cursor = next + 1;
@@ -198,93 +200,132 @@ struct Loan {
     uint32_t slot = 0;
 };
 
-// The common case, worth a short path: only the newest sample counts, and one level publishes.
-inline bool is_plain(const Topic& topic) {
-    return topic.depth == 1 && topic.ceiling == 0;
-}
-
 // Samples of the history that a publisher may not overwrite. Without `keep` no reader outranks it,
 // so the oldest one may be overwritten in place.
-inline uint32_t kept_history(const Topic& topic, bool keep) {
+[[gnu::always_inline]] inline uint32_t kept_history(const Topic& topic, bool keep) {
+    if (topic.depth == 1 && !keep) return 0;
     const uint32_t history = topic.state->history.load();
-    if (keep || std::popcount(history) < topic.depth) return history;
-    if (topic.depth == 1) return 0;
+    if (keep) return history;
     const uint32_t oldest = topic.state->head.load() - topic.depth;
-    return history & ~slot_mask(topic.ring[oldest & (2U * topic.depth - 1)].load());
+    return history & ~topic.ring[oldest & (2U * topic.depth - 1)].load();
 }
 
-[[gnu::noinline]] inline Loan loan_in_history(const Topic& topic, bool keep) {
-    const Section section(topic.ceiling);
+// Where several levels publish, one must not come between another one's loads and stores. Each such
+// topic has these three by itself, under its name: nothing else in an image raises BASEPRI.
+struct InSection {
+    Loan (*loan)(const Topic& topic, bool keep);
+    void (*commit)(const Topic& topic, Loan loaned);
+    bool (*is_due)(const Topic& topic, const Thinned& thinned, uint64_t timestamp_us);
+};
+
+[[gnu::always_inline]] inline Loan find_slot(const Topic& topic, bool keep) {
     const uint32_t free = topic.state->free.load();
     const uint32_t usable = free & ~kept_history(topic, keep);
     require(usable != 0, "topic: no free slot");
-    const auto slot = static_cast<uint32_t>(std::countl_zero(usable));
-    if (topic.ceiling != 0) topic.state->free.store(free & ~slot_mask(slot));
-    return {free, slot};
+    return {free, static_cast<uint32_t>(std::countl_zero(usable))};
+}
+[[gnu::always_inline]] inline Loan loan_in_section(const Topic& topic, bool keep) {
+    const Section section(topic.ceiling);
+    const Loan loaned = find_slot(topic, keep);
+    topic.state->free.store(loaned.saved_free & ~slot_mask(loaned.slot));
+    return loaned;
 }
 
 // Finds a slot that nobody reads. The compiler's slot count makes sure there is one. `keep`: a
 // reader outranks this publisher.
-inline Loan loan(const Topic& topic, bool keep) {
-    if (!is_plain(topic)) return loan_in_history(topic, keep);
-    const uint32_t free = topic.state->free.load();
-    const uint32_t usable = keep ? free & ~topic.state->history.load() : free;
-    require(usable != 0, "topic: no free slot");
-    return {free, static_cast<uint32_t>(std::countl_zero(usable))};
+[[gnu::always_inline]] inline Loan loan(const Topic& topic, bool keep) {
+    return topic.ceiling != 0 ? topic.in_section->loan(topic, keep) : find_slot(topic, keep);
 }
 
-[[gnu::noinline]] inline void commit_to_history(const Topic& topic, Loan loaned) {
+[[gnu::always_inline]] inline void append(const Topic& topic, Loan loaned) {
     TopicState& state = *topic.state;
-    const Section section(topic.ceiling);
     const uint32_t head = state.head.load();
+    const uint32_t mask = slot_mask(loaned.slot);
     topic.number[loaned.slot].store(head + 1);
-    uint32_t history = state.history.load();
     if (topic.depth == 1) {
-        state.history.store(slot_mask(loaned.slot));
+        state.history.store(mask);
         state.head.store(head + 1);
-    } else {
-        const uint32_t last = 2U * topic.depth - 1;
-        const auto slot = static_cast<uint8_t>(loaned.slot);
-        if (std::popcount(history) == topic.depth) {
-            history &= ~slot_mask(topic.ring[(head - topic.depth) & last].load());
-        }
-        topic.ring[head & last].store(slot);
-        state.head.store(head + 1);
-        state.history.store(history | slot_mask(loaned.slot));
+        return;
     }
-    if (topic.ceiling != 0) state.free.store(loaned.saved_free);
+    const uint32_t last = 2U * topic.depth - 1;
+    const uint32_t oldest = topic.ring[(head - topic.depth) & last].load();
+    const uint32_t history = state.history.load() & ~oldest;
+    topic.ring[head & last].store(mask);
+    state.head.store(head + 1);
+    state.history.store(history | mask);
+}
+[[gnu::always_inline]] inline void commit_in_section(const Topic& topic, Loan loaned) {
+    const Section section(topic.ceiling);
+    append(topic, loaned);
+    topic.state->free.store(loaned.saved_free);
 }
 
 // Makes the sample the newest one. `head` is the one commit point for queue readers, `history` for
 // readers of the newest at depth 1.
-inline void commit(const Topic& topic, Loan loaned) {
-    if (!is_plain(topic)) return commit_to_history(topic, loaned);
-    const uint32_t number = topic.state->head.load() + 1;
-    topic.number[loaned.slot].store(number);
-    topic.state->history.store(slot_mask(loaned.slot));
-    topic.state->head.store(number);
-}
-
-// Pends the thinned subscribers that are due. In one section: another publisher must not come in
-// between, and all are pended before any runs.
-[[gnu::noinline]] inline void pend_thinned(const Topic& topic, uint64_t timestamp_us) {
-    const Section section(topic.ceiling);
-    for (unsigned i = 0; i < topic.thinned_count; ++i) {
-        const Thinned& thinned = topic.thinned[i];
-        if (timestamp_us < thinned.state->due_us) continue;
-        const uint64_t late = timestamp_us - thinned.state->due_us;
-        thinned.state->due_us += (late / thinned.interval_us + 1) * thinned.interval_us;
-        thinned.state->fires.store(thinned.state->fires.load() + 1);
-        set_pending(thinned.pend);
+[[gnu::always_inline]] inline void commit(const Topic& topic, Loan loaned) {
+    if (topic.ceiling != 0) {
+        topic.in_section->commit(topic, loaned);
+    } else {
+        append(topic, loaned);
     }
 }
 
-// Wakes the subscribers of a topic whose newest sample is stamped `timestamp_us`. Of a constant row
-// only the stores are left.
-inline void activate(const Topic& topic, uint64_t timestamp_us) {
-    for (unsigned i = 0; i < topic.subscriber_count; ++i) set_pending(topic.subscribers[i]);
-    if (topic.thinned_count != 0) pend_thinned(topic, timestamp_us);
-    if (topic.subscriber_count + topic.thinned_count != 0) preempt();
+// Of 64 bits a division takes some hundred instructions: only after a pause.
+inline uint64_t next_due_us(uint64_t due_us, uint64_t timestamp_us, uint32_t interval_us) {
+    const uint64_t late = timestamp_us - due_us;
+    if (late < interval_us) return due_us + interval_us;
+    return due_us + (late / interval_us + 1) * interval_us;
+}
+
+// True if a sample of this time is due; then counts it, and the next one is due later.
+[[gnu::always_inline]] inline bool is_due_in_section(const Topic& topic, const Thinned& thinned,
+                                                     uint64_t timestamp_us) {
+    ThinnedState& state = *thinned.state;
+    while (true) {
+        uint64_t due_us = 0;
+        {
+            const Section section(topic.ceiling);
+            due_us = state.due_us;
+        }
+        if (timestamp_us < due_us) return false;
+        const uint64_t next_us = next_due_us(due_us, timestamp_us, thinned.interval_us);
+        preemption_point();
+        const Section section(topic.ceiling);
+        if (state.due_us != due_us) continue;  // another publisher came in between
+        state.due_us = next_us;
+        state.fires.store(state.fires.load() + 1);
+        return true;
+    }
+}
+inline bool is_due(const Topic& topic, const Thinned& thinned, uint64_t timestamp_us) {
+    if (topic.ceiling != 0) return topic.in_section->is_due(topic, thinned, timestamp_us);
+    ThinnedState& state = *thinned.state;
+    if (timestamp_us < state.due_us) return false;
+    state.due_us = next_due_us(state.due_us, timestamp_us, thinned.interval_us);
+    state.fires.store(state.fires.load() + 1);
+    return true;
+}
+
+// For topics that several levels publish and that stand in no image's table, as in tests.
+inline constexpr InSection kInSection{loan_in_section, commit_in_section, is_due_in_section};
+
+// Wakes the subscribers of a topic whose newest sample is stamped `timestamp_us`: first finds out
+// who is due, then pends with one store for each word, so that the most urgent of all runs first.
+// Of a constant row only the tests of thinned subscribers and the stores are left.
+[[gnu::always_inline]] inline void activate(const Topic& topic, uint64_t timestamp_us) {
+    uint32_t due = 0;
+    for (unsigned i = 0; i < topic.thinned_count; ++i) {
+        if (is_due(topic, topic.thinned[i], timestamp_us)) due |= 1U << i;
+    }
+    for (unsigned i = 0; i < topic.subscriber_count; ++i) {
+        Pend pend = topic.subscribers[i];
+        for (unsigned k = 0; k < topic.thinned_count; ++k) {
+            const Pend& thinned = topic.thinned[k].pend;
+            if ((due >> k & 1U) != 0 && thinned.word == pend.word) pend.mask |= thinned.mask;
+        }
+        if (pend.mask != 0) set_pending(pend);
+    }
+    if (topic.subscriber_count != 0) preempt();
 }
 
 }  // namespace stator

@@ -26,7 +26,7 @@ template <class Message, unsigned depth, unsigned slots, unsigned ceiling = 0>
 struct TopicOf {
     std::array<Message, slots> samples{};
     std::array<Shared<uint32_t>, slots> number{};
-    std::array<Shared<uint8_t>, 2 * depth> ring{};
+    std::array<Shared<uint32_t>, 2 * depth> ring{};
     TopicState state{Shared<uint32_t>(all_slots(slots)), {}, {}};
     Topic topic{.state = &state,
                 .samples = samples.data(),
@@ -34,6 +34,7 @@ struct TopicOf {
                 .ring = ring.data(),
                 .subscribers = nullptr,
                 .thinned = nullptr,
+                .in_section = &kInSection,
                 .sample_bytes = sizeof(Message),
                 .subscriber_count = 0,
                 .thinned_count = 0,

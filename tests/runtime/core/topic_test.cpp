@@ -270,8 +270,11 @@ unsigned times_woken(uint32_t sample_period_us, uint32_t interval_us, uint64_t d
     TopicOf<Reading, 1, 2> topic;
     ThinnedState state;
     const Thinned thinned[] = {{&state, interval_us, testing::kHigh}};
+    const Pend thinned_words[] = {{0, 0}};
     topic.topic.thinned = thinned;
     topic.topic.thinned_count = 1;
+    topic.topic.subscribers = thinned_words;
+    topic.topic.subscriber_count = 1;
     for (uint64_t now_us = 0; now_us < duration_us; now_us += sample_period_us) {
         publish(topic.topic, Reading{}, now_us);
     }
@@ -290,8 +293,11 @@ TEST_F(TopicTest, a_pause_of_a_thinned_topic_is_not_made_up_for) {
     TopicOf<Reading, 1, 2> topic;
     ThinnedState state;
     const Thinned thinned[] = {{&state, 1000, testing::kHigh}};
+    const Pend thinned_words[] = {{0, 0}};
     topic.topic.thinned = thinned;
     topic.topic.thinned_count = 1;
+    topic.topic.subscribers = thinned_words;
+    topic.topic.subscriber_count = 1;
     for (const uint64_t now_us : {0U, 100000U, 100100U, 101000U}) {
         publish(topic.topic, Reading{}, now_us);
     }
@@ -303,7 +309,7 @@ TEST_F(TopicTest, a_pause_of_a_thinned_topic_is_not_made_up_for) {
 TEST(TopicLayout, state_is_three_words_and_slots_count_from_the_top_bit) {
     static_assert(sizeof(Shared<uint32_t>) == 4 && sizeof(Shared<uint8_t>) == 1);
     static_assert(sizeof(TopicState) == 12);
-    static_assert(sizeof(Topic) <= 6 * sizeof(void*) + 8);
+    static_assert(sizeof(Topic) <= 7 * sizeof(void*) + 8);
     static_assert(slot_mask(0) == 0x80000000U && slot_mask(31) == 1U);
     static_assert(all_slots(1) == 0x80000000U && all_slots(32) == 0xFFFFFFFFU);
     static_assert(std::atomic<uint32_t>::is_always_lock_free);

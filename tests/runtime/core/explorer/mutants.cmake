@@ -25,28 +25,28 @@ endfunction()
 
 # --- sections ---
 stator_add_mutant(no_section_in_loan
-    FROM "    const Section section(topic.ceiling);\n    const uint32_t free"
-    TO "    const uint32_t free"
+    FROM "    const Section section(topic.ceiling);\n    const Loan loaned"
+    TO "    const Loan loaned"
     RUN --depth 1 "1w 2w 3r")
 stator_add_mutant(no_section_in_commit
-    FROM "    const Section section(topic.ceiling);\n    const uint32_t head"
-    TO "    const uint32_t head"
+    FROM "    const Section section(topic.ceiling);\n    append"
+    TO "    append"
     RUN --depth 1 "1w 2w")
 
 # --- order of the words ---
 stator_add_mutant(head_before_ring
-    FROM "        topic.ring[head & last].store(slot);\n        state.head.store(head + 1);"
-    TO "        state.head.store(head + 1);\n        topic.ring[head & last].store(slot);"
+    FROM "    topic.ring[head & last].store(mask);\n    state.head.store(head + 1);"
+    TO "    state.head.store(head + 1);\n    topic.ring[head & last].store(mask);"
     RUN --depth 2 "1w 2q")
 stator_add_mutant(number_after_history
-    FROM "    topic.number[loaned.slot].store(number);\n    topic.state->history.store(slot_mask(loaned.slot));"
-    TO "    topic.state->history.store(slot_mask(loaned.slot));\n    topic.number[loaned.slot].store(number);"
+    FROM "    topic.number[loaned.slot].store(head + 1);\n    if (topic.depth == 1) {\n        state.history.store(mask);"
+    TO "    if (topic.depth == 1) state.history.store(mask);\n    topic.number[loaned.slot].store(head + 1);\n    if (topic.depth == 1) {"
     RUN --depth 1 "1w 2q")
 
 # --- pins ---
 stator_add_mutant(pins_not_asked
-    FROM "keep ? free & ~topic.state->history.load() : free;"
-    TO "(keep ? ~topic.state->history.load() : ~0U) & all_slots(topic.slots);"
+    FROM "free & ~kept_history(topic, keep);"
+    TO "all_slots(topic.slots) & ~kept_history(topic, keep);"
     RUN --depth 1 "1r 2w")
 stator_add_mutant(pin_not_marked
     FROM "    state.free.store(pin.saved_free & ~mask);"
@@ -61,17 +61,17 @@ stator_add_mutant(release_sets_the_bit
     TO "if (marks) topic.state->free.store(topic.state->free.load() | slot_mask(pin.slot));"
     RUN --depth 1 "1r 2r 3w")
 stator_add_mutant(loan_not_marked
-    FROM "    if (topic.ceiling != 0) topic.state->free.store(free & ~slot_mask(slot));"
+    FROM "    topic.state->free.store(loaned.saved_free & ~slot_mask(loaned.slot));"
     TO ""
     RUN --depth 1 "1w 2w")
 stator_add_mutant(loan_not_given_back
-    FROM "    if (topic.ceiling != 0) state.free.store(loaned.saved_free);"
+    FROM "    topic.state->free.store(loaned.saved_free);"
     TO ""
     RUN --depth 1 "1w 2w")
 
 # --- history ---
 stator_add_mutant(newest_not_kept
-    FROM "keep ? free & ~topic.state->history.load() : free;"
+    FROM "free & ~kept_history(topic, keep);"
     TO "free;"
     RUN --depth 1 "1w 2r")
 stator_add_mutant(ring_of_depth
@@ -91,10 +91,10 @@ stator_add_mutant(losses_not_counted
     TO ""
     RUN --depth 2 "1q 2w")
 stator_add_mutant(oldest_not_dropped
-    FROM "            history &= ~slot_mask(topic.ring[(head - topic.depth) & last].load());"
-    TO ""
+    FROM "state.history.load() & ~oldest;"
+    TO "state.history.load() & ~(oldest & 0U);"
     RUN --depth 2 "1q 2w")
-stator_add_mutant(history_full_by_number
-    FROM "        if (std::popcount(history) == topic.depth) {"
-    TO "        if (head >= topic.depth) {"
-    RUN --depth 2 --first 4294967293 "1q 2w")
+stator_add_mutant(next_dropped_for_oldest
+    FROM "topic.ring[(head - topic.depth) & last].load();"
+    TO "topic.ring[(head - topic.depth + 1) & last].load();"
+    RUN --depth 2 "1q 2w")

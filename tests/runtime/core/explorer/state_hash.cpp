@@ -111,7 +111,8 @@ uint64_t World::state_hash() const {
             is_whole ? 2 * topology_.depth : static_cast<unsigned>(std::popcount(history));
         uint64_t entries = 1;
         for (unsigned i = 0; i < shown; ++i) {
-            entries = entries << 4 | ring_[(head - 1 - i) & (2 * topology_.depth - 1)].peek();
+            const uint32_t entry = ring_[(head - 1 - i) & (2 * topology_.depth - 1)].peek();
+            entries = entries << 6 | static_cast<unsigned>(std::countl_zero(entry));
         }
         hash.add(entries);
         hash.add(is_whole);

@@ -41,6 +41,7 @@ World::World(const Topology& topology, unsigned slots, uint32_t first, unsigned 
               .ring = ring_.data(),
               .subscribers = nullptr,
               .thinned = nullptr,
+              .in_section = &kInSection,
               .sample_bytes = sizeof(Sample),
               .subscriber_count = 0,
               .thinned_count = 0,
@@ -216,7 +217,7 @@ void World::check_idle() {
         const unsigned index = (head - 1 - i) & (2 * topology_.depth - 1);
         const unsigned slot = topology_.depth == 1
                                   ? static_cast<unsigned>(std::countl_zero(state_.history.peek()))
-                                  : ring_[index].peek();
+                                  : static_cast<unsigned>(std::countl_zero(ring_[index].peek()));
         history |= slot_mask(slot);
         expect(number_[slot].peek() == head - i, "a sample has the wrong number");
     }

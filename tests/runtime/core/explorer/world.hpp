@@ -124,7 +124,7 @@ class World {
     std::array<uint32_t, kMostUsers> lost_{};
     std::array<Sample, kMostSlots> samples_{};
     std::array<Shared<uint32_t>, kMostSlots> number_{};
-    std::array<Shared<uint8_t>, kMostRing> ring_{};
+    std::array<Shared<uint32_t>, kMostRing> ring_{};
     TopicState state_{};
     uint32_t stamp_ = 0;
     Topic topic_{};

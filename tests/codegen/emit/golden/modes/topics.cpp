@@ -8,6 +8,20 @@ constinit count_parts::Storage count_parts::storage{};
 constinit careful_params_parts::Storage careful_params_parts::storage{};
 constinit bold_params_parts::Storage bold_params_parts::storage{};
 
+// Several levels publish count, the highest is 3. Not inlined, so that whoever reads the image finds
+// the sections under the topic's name.
+namespace count_parts {
+[[gnu::noinline]] Loan loan_in_section(const Topic&, bool keep) {
+    return stator::loan_in_section(count, keep);
+}
+[[gnu::noinline]] void commit_in_section(const Topic&, Loan loaned) {
+    stator::commit_in_section(count, loaned);
+}
+[[gnu::noinline]] bool is_due_in_section(const Topic&, const Thinned& thinned, uint64_t timestamp_us) {
+    return stator::is_due_in_section(count, thinned, timestamp_us);
+}
+}  // namespace count_parts
+
 // Not by initialisers: then all samples would have an image in flash.
 void prepare() {
     mode_parts::storage.state.free.store(all_slots(1));

@@ -29,6 +29,7 @@ inline constexpr Topic mode{
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
+    .in_section = nullptr,
     .sample_bytes = sizeof(Mode),
     .subscriber_count = 0,
     .thinned_count = 0,
@@ -46,6 +47,10 @@ struct Storage {
 };
 extern Storage storage;
 inline constexpr Pend subscribers[] = {{0, 0x2}};
+Loan loan_in_section(const Topic& topic, bool keep);
+void commit_in_section(const Topic& topic, Loan loaned);
+bool is_due_in_section(const Topic& topic, const Thinned& thinned, uint64_t timestamp_us);
+inline constexpr InSection in_section{loan_in_section, commit_in_section, is_due_in_section};
 }  // namespace count_parts
 inline constexpr Topic count{
     .state = &count_parts::storage.state,
@@ -54,6 +59,7 @@ inline constexpr Topic count{
     .ring = nullptr,
     .subscribers = count_parts::subscribers,
     .thinned = nullptr,
+    .in_section = &count_parts::in_section,
     .sample_bytes = sizeof(Count),
     .subscriber_count = 1,
     .thinned_count = 0,
@@ -78,6 +84,7 @@ inline constexpr Topic careful_params{
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
+    .in_section = nullptr,
     .sample_bytes = sizeof(CounterParams),
     .subscriber_count = 0,
     .thinned_count = 0,
@@ -102,6 +109,7 @@ inline constexpr Topic bold_params{
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
+    .in_section = nullptr,
     .sample_bytes = sizeof(CounterParams),
     .subscriber_count = 0,
     .thinned_count = 0,

@@ -12,7 +12,7 @@ struct Count {
     uint64_t timestamp{};  // When it was published; set by publish. [us]
     uint64_t timestamp_sample{};  // When the counting was done. [us]
     uint32_t value{};  // The number.
-    std::array<uint8_t, 4> _padding0{};
+    uint32_t _padding0{};
 };
 static_assert(sizeof(Count) == 24);
 static_assert(offsetof(Count, timestamp) == 0);
