@@ -71,8 +71,8 @@ stator_add_mutant(loan_not_given_back
 
 # --- history ---
 stator_add_mutant(newest_not_kept
-    FROM "free & ~kept_history(topic, keep);"
-    TO "free;"
+    FROM "if (keep) return history;"
+    TO "if (keep) return history & 0U;"
     RUN --depth 1 "1w 2r")
 stator_add_mutant(ring_of_depth
     FROM "2U * topic.depth - 1"
