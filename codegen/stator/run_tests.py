@@ -21,7 +21,8 @@ SUITE = re.compile(r"^\s*(?:TYPED_)?TEST(?:_[FP])?\(\s*(\w+)\s*,", re.MULTILINE)
 # How ctest's closing list says that a test failed: `12 - name (Timeout)`; its XML does not.
 ENDING = re.compile(r"^\s+\d+ - (.+) \(([^()]+)\)", re.MULTILINE)
 # What pytest -k can read; a NAME with other characters is a regular expression for ctest alone.
-KEYWORD = re.compile(r"[\w:+\-./\[\]]+")
+# `and`, `or` and `not` are its operators.
+KEYWORD = re.compile(r"(?!(?:and|or|not)$)[\w:+\-./\[\]]+")
 
 
 @dataclass(frozen=True)
@@ -205,7 +206,9 @@ def main(argv: list[str]) -> int:
     options = parser.parse_args(argv)
     cases = run_all(options.names, options.long)
     if not any(case.outcome is not Outcome.SKIPPED for case in cases):
-        print("no test ran" + (f": none matches {options.names}" if options.names else ""))
+        matches = f": none matches {' '.join(options.names)}" if options.names else ""
+        longer = "" if options.long else "; --long looks among the long ones, too"
+        print(f"no test ran{matches}{longer}")
     print("\n".join(["", *closing_lines(cases)]), flush=True)
     failed = any(case.outcome is Outcome.FAILED for case in cases)
     passed = any(case.outcome is Outcome.PASSED for case in cases)

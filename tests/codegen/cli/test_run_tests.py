@@ -86,7 +86,7 @@ def test_no_test_at_all_is_a_failure(project: Path) -> None:
     status, lines = run(project, "no_such_name")
     assert status == 1
     assert lines[-3:] == [
-        "no test ran: none matches ['no_such_name']",
+        "no test ran: none matches no_such_name; --long looks among the long ones, too",
         "",
         "0 passed, 0 failed, 0 skipped",
     ]
@@ -139,6 +139,11 @@ def test_a_word_selects_by_name_in_both(tmp_path: Path) -> None:
 
 def test_a_regular_expression_is_for_ctest_alone(tmp_path: Path) -> None:
     assert select(tmp_path, ["^Scalar.*"]) == Selection("^Scalar.*", [])
+
+
+@pytest.mark.parametrize("word", ["and", "or", "not"])
+def test_a_word_of_pytests_expressions_is_for_ctest_alone(tmp_path: Path, word: str) -> None:
+    assert select(tmp_path, [word]) == Selection(word, [])
 
 
 def test_a_path_selects_the_suites_in_it(project: Path) -> None:
