@@ -4,15 +4,36 @@
 
 #include "lines.hpp"
 #include "link.hpp"
+#include "newest.hpp"
 #include "semihosting.hpp"
 #include "stator/cortex_m.hpp"
 #include "timers.hpp"
 
 namespace stator::board {
 
+namespace {
+
+// Devices that are asked by a period, which no line of theirs keeps from being read meanwhile.
+Newest<BaroSim::Device> barometer;
+Newest<BatterySim::Device> battery;
+
+void refresh_baro(BaroSim::Device& device) {
+    if (barometer.count() != 0) device = barometer.get();
+}
+void refresh_battery(BatterySim::Device& device) {
+    if (battery.count() != 0) device = battery.get();
+}
+
+}  // namespace
+
 ImuSim::Device imu0;
 MocapSim::Device mocap0;
 MotorSim::Device motors;
+MagSim::Device mag0;
+BaroSim::Device baro0{.refresh = refresh_baro};
+GnssSim::Device gnss0;
+RadioSim::Device radio0;
+BatterySim::Device battery0{.refresh = refresh_battery};
 StorageSim::Device log_storage;
 
 namespace {
@@ -51,24 +72,84 @@ bool append(const uint8_t* bytes, size_t count) {
     semihosting::exit(told && log_storage.errors == 0 ? 0 : 1);
 }
 
-// A device whose task may be reading it keeps its sample, and the new one is gone.
+// A device whose task may be reading it keeps its sample, and the new one is gone. One that the
+// graph does not use has no task.
 bool can_take(const Pend& line) {
+    if ((nvic::set_enable(line.word).read() & line.mask) == 0) return false;
     if (!is_busy(line)) return true;
     ++missed_samples;
     return false;
 }
 
+void hand_over_imu(const link::FromPlant& from) {
+    if (from.imu_sampled == 0 || !can_take(lines::imu0_data_ready)) return;
+    imu0 = {.timestamp_sample = from.now_us, .gyro_B = from.gyro_B, .accel_B = from.accel_B};
+    set_pending(lines::imu0_data_ready);
+}
+
+void hand_over_mocap(const link::FromPlant& from) {
+    if (from.mocap_received == 0 || !can_take(lines::mocap0_received)) return;
+    mocap0 = {.timestamp_sample = from.mocap_time_us,
+              .position_N = from.mocap_position_N,
+              .yaw = from.mocap_yaw};
+    set_pending(lines::mocap0_received);
+}
+
+void hand_over_mag(const link::FromPlant& from) {
+    if (from.mag_sampled == 0 || !can_take(lines::mag0_data_ready)) return;
+    mag0 = {.timestamp_sample = from.now_us, .field_B_gauss = from.mag_B};
+    set_pending(lines::mag0_data_ready);
+}
+
+void hand_over_gnss(const link::FromPlant& from) {
+    if (from.gnss_received == 0 || !can_take(lines::gnss0_received)) return;
+    gnss0 = {.timestamp_sample = from.gnss_time_us,
+             .latitude_deg = from.latitude_deg,
+             .longitude_deg = from.longitude_deg,
+             .altitude_msl_m = from.altitude_msl_m,
+             .altitude_ellipsoid_m = from.altitude_ellipsoid_m,
+             .velocity_N = from.gnss_velocity_N,
+             .horizontal_error = from.gnss_errors[0],
+             .vertical_error = from.gnss_errors[1],
+             .speed_error = from.gnss_errors[2],
+             .satellites = from.satellites};
+    set_pending(lines::gnss0_received);
+}
+
+void hand_over_radio(const link::FromPlant& from) {
+    if (from.radio_received == 0 || !can_take(lines::radio0_received)) return;
+    radio0 = {.timestamp_sample = from.now_us,
+              .roll = from.sticks[0],
+              .pitch = from.sticks[1],
+              .yaw = from.sticks[2],
+              .throttle = from.sticks[3],
+              .mode_slot = from.mode_slot,
+              .is_heard = from.switches[0] != 0,
+              .arm = from.switches[1] != 0,
+              .return_home = from.switches[2] != 0,
+              .kill = from.switches[3] != 0};
+    set_pending(lines::radio0_received);
+}
+
 void hand_over(const link::FromPlant& from) {
-    if (from.imu_sampled != 0 && can_take(lines::imu0_data_ready)) {
-        imu0 = {
-            .timestamp_sample = from.imu_time_us, .gyro_B = from.gyro_B, .accel_B = from.accel_B};
-        set_pending(lines::imu0_data_ready);
+    hand_over_imu(from);
+    hand_over_mocap(from);
+    hand_over_mag(from);
+    hand_over_gnss(from);
+    hand_over_radio(from);
+    if (from.baro_sampled != 0) {
+        barometer.put({.timestamp_sample = from.now_us,
+                       .samples = barometer.count() + 1,
+                       .pressure = from.pressure,
+                       .temperature_degc = from.temperature_degc,
+                       .refresh = refresh_baro});
     }
-    if (from.mocap_received != 0 && can_take(lines::mocap0_received)) {
-        mocap0 = {.timestamp_sample = from.mocap_time_us,
-                  .position_N = from.mocap_position_N,
-                  .yaw = from.mocap_yaw};
-        set_pending(lines::mocap0_received);
+    if (from.battery_measured != 0) {
+        battery.put({.voltage_v = from.battery[0],
+                     .current_a = from.battery[1],
+                     .discharged_mah = from.battery[2],
+                     .remaining = from.battery[3],
+                     .refresh = refresh_battery});
     }
 }
 
@@ -104,6 +185,18 @@ bool take_imu0_data_ready() {
 }
 bool take_mocap0_received();
 bool take_mocap0_received() {
+    return true;
+}
+bool take_mag0_data_ready();
+bool take_mag0_data_ready() {
+    return true;
+}
+bool take_gnss0_received();
+bool take_gnss0_received() {
+    return true;
+}
+bool take_radio0_received();
+bool take_radio0_received() {
     return true;
 }
 

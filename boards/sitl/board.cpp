@@ -99,7 +99,7 @@ void hand_over(const World::Event& event, std::uint64_t now_us) {
         fill(radio0, *event.radio, now_us);
         radio0_received.raise();
     }
-    fill(battery0, the_world->battery());
+    if (event.battery_measured) fill(battery0, the_world->battery());
 }
 
 void record_truth() {

@@ -50,6 +50,7 @@ World::Event World::move_to_next_event() {
     event.gnss = listen_to_satellites(now_us);
     if (radio_timer_.take(now_us)) event.radio = listen_to_pilot(now_us);
     influence_plant(now_us);
+    event.battery_measured = battery_timer_.take(now_us);
     return event;
 }
 

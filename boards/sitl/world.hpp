@@ -43,7 +43,10 @@ class World {
         std::optional<BarometerSample> baro;
         std::optional<GnssFix> gnss;
         std::optional<RadioFrame> radio;
+        bool battery_measured = false;
     };
+
+    static constexpr std::uint64_t kBatteryPeriod_us = 50000;
 
     std::uint64_t next_event_us() const { return imu_timer_.next_us; }
     Event move_to_next_event();
@@ -89,6 +92,7 @@ class World {
     Timer arrival_timer_{mocap_parameters_.period_us, mocap_parameters_.delay_us};
     Timer magnetometer_timer_{vehicle_.magnetometer.period_us};
     Timer barometer_timer_{vehicle_.barometer.period_us};
+    Timer battery_timer_{kBatteryPeriod_us};
     Timer fix_timer_{gnss_parameters_.period_us};
     Timer radio_timer_{Pilot::kPeriod_us};
     MocapSample picture_{};                         // on its way

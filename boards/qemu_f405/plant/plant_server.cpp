@@ -79,9 +79,9 @@ class Server {
 
     // The newest sample of each sensor goes to the firmware.
     void add(const board::World::Event& event, link::FromPlant& answer) {
+        answer.now_us = world_.plant().time_us();
         if (event.imu) {
             answer.imu_sampled = 1;
-            answer.imu_time_us = world_.plant().time_us();
             answer.gyro_B = math::to_array(event.imu->gyro_B);
             answer.accel_B = math::to_array(event.imu->accel_B);
         }
@@ -91,6 +91,46 @@ class Server {
             answer.mocap_yaw = event.mocap->yaw;
             answer.mocap_position_N = math::to_array(event.mocap->position_N);
         }
+        if (event.mag_B) {
+            answer.mag_sampled = 1;
+            answer.mag_B = math::to_array(*event.mag_B);
+        }
+        if (event.baro) {
+            answer.baro_sampled = 1;
+            answer.pressure = event.baro->pressure;
+            answer.temperature_degc = event.baro->temperature_degc;
+        }
+        if (event.gnss) add(*event.gnss, answer);
+        if (event.radio) add(*event.radio, answer);
+        if (event.battery_measured) add(world_.battery(), answer);
+    }
+
+    static void add(const board::GnssFix& fix, link::FromPlant& answer) {
+        answer.gnss_received = 1;
+        answer.gnss_time_us = fix.time_us;
+        answer.latitude_deg = fix.place.latitude_deg;
+        answer.longitude_deg = fix.place.longitude_deg;
+        answer.altitude_msl_m = fix.place.altitude_msl;
+        answer.altitude_ellipsoid_m = fix.place.altitude_ellipsoid;
+        answer.gnss_velocity_N = math::to_array(fix.velocity_N);
+        answer.gnss_errors = {fix.horizontal_error, fix.vertical_error, fix.speed_error};
+        answer.satellites = fix.satellites;
+    }
+
+    static void add(const board::World::RadioFrame& frame, link::FromPlant& answer) {
+        const board::PilotFrame& hands = frame.hands;
+        answer.radio_received = 1;
+        answer.sticks = {hands.roll, hands.pitch, hands.yaw, hands.throttle};
+        answer.mode_slot = hands.mode_slot;
+        answer.switches = {frame.is_heard, hands.arm, hands.return_home, hands.kill};
+    }
+
+    static void add(const board::Battery& battery, link::FromPlant& answer) {
+        answer.battery_measured = 1;
+        answer.battery = {static_cast<float>(battery.voltage()),
+                          static_cast<float>(battery.current()),
+                          static_cast<float>(battery.discharged_c() / 3.6),
+                          static_cast<float>(battery.remaining())};
     }
 
     void record_truth() {
