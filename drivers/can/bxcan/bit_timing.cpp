@@ -1,0 +1,21 @@
+// Bit timing of bxCAN.
+#include "bxcan_port.hpp"
+
+namespace stator::bxcan {
+
+// A bit is 1 + segment 1 (1 to 16) + segment 2 (1 to 8) quanta, sampled after segment 1. The most quanta
+// first: they place the sample best. The controller may move the edge by 1 quantum.
+uint32_t bit_timing(uint32_t clock_hz, uint32_t bit_rate) {
+    constexpr uint32_t kMostPrescaler = 1024;
+    for (uint32_t quanta = 20; quanta >= 8 && bit_rate != 0; --quanta) {
+        if (clock_hz % (bit_rate * quanta) != 0) continue;
+        const uint32_t prescaler = clock_hz / (bit_rate * quanta);
+        if (prescaler == 0 || prescaler > kMostPrescaler) continue;
+        const uint32_t segment2 = (quanta + 2) / 5;
+        const uint32_t segment1 = quanta - 1 - segment2;
+        return ((segment2 - 1) << 20) | ((segment1 - 1) << 16) | (prescaler - 1);
+    }
+    return 0;
+}
+
+}  // namespace stator::bxcan

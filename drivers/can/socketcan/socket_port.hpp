@@ -1,0 +1,57 @@
+// A CAN interface of Linux (SocketCAN), through a raw socket.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "../can_driver.hpp"
+
+namespace stator {
+
+// Opens the interface as soon as it is there and up, and again when it went away and came back.
+class SocketPort {
+  public:
+    struct Filter {
+        uint32_t id;    // with the flags of <linux/can.h>
+        uint32_t mask;  // bits that count
+    };
+    struct Device {
+        static constexpr unsigned kMostFilters = 8;
+        const char* interface = nullptr;  // such as can0; none: the bus is down
+        // Which frames the kernel hands over; none: all data frames.
+        std::array<Filter, kMostFilters> filters{};
+        unsigned filter_count = 0;
+        // The board waits for the descriptor, and stops that before it is closed. May be null.
+        void (*watch)(int descriptor) = nullptr;
+        void (*unwatch)() = nullptr;
+    };
+
+    explicit SocketPort(Device& device) : device_(device) {}
+
+    void begin(uint64_t now_us);
+    CanSend send(const CanFrame& frame);
+    bool receive(CanFrame& frame, uint64_t now_us);
+    CanInterfaceStatus::State state() const { return state_; }
+    void count(CanInterfaceStatus& status) const;
+
+  private:
+    using State = CanInterfaceStatus::State;
+
+    bool open();
+    void close();
+    void take_error_frame(uint32_t kind, const uint8_t* data);
+    void fail(int error);
+
+    Device& device_;
+    uint64_t next_open_us_ = 0;
+    uint64_t io_errors_ = 0;
+    uint32_t rx_lost_before_ = 0;  // by sockets that are closed
+    uint32_t rx_lost_ = 0;
+    uint32_t rx_overflows_ = 0;
+    uint32_t rx_ignored_ = 0;
+    uint32_t bus_off_count_ = 0;
+    int socket_ = -1;
+    State state_ = State::kDown;
+};
+
+}  // namespace stator
