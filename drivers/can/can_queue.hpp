@@ -37,12 +37,12 @@ class CanQueue {
     }
 
   private:
-    // In the bus's arbitration, 11 bits come first, and a short identifier wins over a long one that
-    // begins alike.
+    // In the bus's arbitration, 11 bits come first, and a short identifier wins over a long one
+    // that begins alike.
     static uint32_t rank(const Item& item) {
-        return item.frame.extended ? ((item.frame.id & 0x1FFC0000) << 1) | 0x40000 |
-                                         (item.frame.id & 0x3FFFF)
-                                   : item.frame.id << 19;
+        return item.frame.extended
+                   ? ((item.frame.id & 0x1FFC0000) << 1) | 0x40000 | (item.frame.id & 0x3FFFF)
+                   : item.frame.id << 19;
     }
     void remove(unsigned place) {
         --count_;

@@ -3,8 +3,8 @@
 
 namespace stator::bxcan {
 
-// A bit is 1 + segment 1 (1 to 16) + segment 2 (1 to 8) quanta, sampled after segment 1. The most quanta
-// first: they place the sample best. The controller may move the edge by 1 quantum.
+// A bit is 1 + segment 1 (1 to 16) + segment 2 (1 to 8) quanta, sampled after segment 1. The most
+// quanta first: they place the sample best. The controller may move the edge by 1 quantum.
 uint32_t bit_timing(uint32_t clock_hz, uint32_t bit_rate) {
     constexpr uint32_t kMostPrescaler = 1024;
     for (uint32_t quanta = 20; quanta >= 8 && bit_rate != 0; --quanta) {

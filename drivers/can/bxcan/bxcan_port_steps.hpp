@@ -15,23 +15,26 @@ void BxcanPort<Registers>::request_init(Step next, uint64_t now_us) {
 template <class Registers>
 void BxcanPort<Registers>::configure() {
     registers_.write(bxcan::kBitTiming, timing_);
-    registers_.write(bxcan::kFilterMaster, registers_.read(bxcan::kFilterMaster) | bxcan::kFilterInit);
+    registers_.write(bxcan::kFilterMaster,
+                     registers_.read(bxcan::kFilterMaster) | bxcan::kFilterInit);
     registers_.write(bxcan::kFilterActive, 0);
     registers_.write(bxcan::kFilterScale, 0x7);  // one 32-bit mask each
     // Data frames: extended ones of messages and standard ones to FIFO 0, services to FIFO 1, which
     // so has its own depth of 3. Bit 7 of an identifier tells a service (frame.hpp of DroneCAN).
     constexpr uint32_t kService = (1U << 7) << bxcan::kExtendedShift;
     constexpr uint32_t kKind = bxcan::kExtended | bxcan::kRemote;
-    const std::array<std::array<uint32_t, 2>, 3> banks{{{bxcan::kExtended, kService | kKind},
-                                                        {kService | bxcan::kExtended, kService | kKind},
-                                                        {0, kKind}}};
+    const std::array<std::array<uint32_t, 2>, 3> banks{
+        {{bxcan::kExtended, kService | kKind},
+         {kService | bxcan::kExtended, kService | kKind},
+         {0, kKind}}};
     for (uint32_t i = 0; i < banks.size(); ++i) {
         registers_.write(bxcan::kFilterBank + 8 * i, banks[i][0]);
         registers_.write(bxcan::kFilterBank + 8 * i + 4, banks[i][1]);
     }
     registers_.write(bxcan::kFilterFifo, 0x2);
     registers_.write(bxcan::kFilterActive, 0x7);
-    registers_.write(bxcan::kFilterMaster, registers_.read(bxcan::kFilterMaster) & ~bxcan::kFilterInit);
+    registers_.write(bxcan::kFilterMaster,
+                     registers_.read(bxcan::kFilterMaster) & ~bxcan::kFilterInit);
     // Mailbox empty, frame in FIFO 0 or 1, warning, passive, bus-off, and their sum.
     registers_.write(bxcan::kInterruptEnable,
                      (1U << 0) | (1U << 1) | (1U << 4) | (7U << 8) | (1U << 15));
@@ -64,7 +67,6 @@ void BxcanPort<Registers>::begin(uint64_t now_us) {
             break;
         case Step::kRun:
             acknowledge_sent();
-            watch_errors(now_us);
             break;
         case Step::kPause:
             if (now_us - since_us_ >= kBusOffPause_us) request_init(Step::kRestart, now_us);
@@ -127,9 +129,9 @@ unsigned BxcanPort<Registers>::mailbox_for(uint32_t identifier) const {
 template <class Registers>
 CanSend BxcanPort<Registers>::send(const CanFrame& frame) {
     if (step_ != Step::kRun) return CanSend::kFull;
-    const uint32_t identifier =
-        frame.extended ? (frame.id << bxcan::kExtendedShift) | bxcan::kExtended
-                       : frame.id << bxcan::kStandardShift;
+    const uint32_t identifier = frame.extended
+                                    ? (frame.id << bxcan::kExtendedShift) | bxcan::kExtended
+                                    : frame.id << bxcan::kStandardShift;
     const unsigned mailbox = mailbox_for(identifier);
     if (mailbox == bxcan::kMailboxes) return CanSend::kFull;
     const uint32_t at = bxcan::kTransmitMailbox + 16 * mailbox;
@@ -155,7 +157,8 @@ bool BxcanPort<Registers>::take(unsigned fifo, CanFrame& frame, uint64_t now_us)
         ++overruns_;
         registers_.write(fifo_register, bxcan::kFifoOverrun);
     }
-    // Until the release is done, the count may still be the old one: then try at the next activation.
+    // Until the release is done, the count may still be the old one: then try at the next
+    // activation.
     if ((status & bxcan::kFifoPending) == 0 || (status & bxcan::kFifoRelease) != 0) return false;
     const uint32_t at = bxcan::kReceiveMailbox + 16 * fifo;
     const uint32_t identifier = registers_.read(at);

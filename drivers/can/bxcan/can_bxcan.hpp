@@ -15,8 +15,8 @@ class CanBxcan {
     };
 
     explicit CanBxcan(Device& device)
-        : driver_(BxcanPort<bxcan::Memory>(
-              {device.base}, bxcan::bit_timing(device.clock_hz, device.bit_rate))) {}
+        : driver_(BxcanPort<bxcan::Memory>({device.base},
+                                           bxcan::bit_timing(device.clock_hz, device.bit_rate))) {}
     void step(CanPorts& ports) { driver_.step(ports); }
 
   private:

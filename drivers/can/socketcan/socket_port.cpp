@@ -1,4 +1,5 @@
-// A CAN interface of Linux. Behaviour of raw sockets: the kernel's Documentation/networking/can.rst.
+// A CAN interface of Linux. Behaviour of raw sockets: the kernel's
+// Documentation/networking/can.rst.
 #include "socket_port.hpp"
 
 #include <linux/can.h>
@@ -56,8 +57,8 @@ bool SocketPort::open() {
     std::strncpy(request.ifr_name, device_.interface, IFNAMSIZ - 1);
     sockaddr_can address{};
     address.can_family = AF_CAN;
-    const bool there = is_up(socket_, device_.interface) &&
-                       ioctl(socket_, SIOCGIFINDEX, &request) == 0;
+    const bool there =
+        is_up(socket_, device_.interface) && ioctl(socket_, SIOCGIFINDEX, &request) == 0;
     address.can_ifindex = request.ifr_ifindex;
     std::array<can_filter, Device::kMostFilters> filters{};
     filters[0] = {.can_id = 0, .can_mask = CAN_RTR_FLAG | CAN_ERR_FLAG};

@@ -1,5 +1,6 @@
-// The registers of bxCAN as RM0090, chapter 32 describes them: what a driver sees of mailboxes, FIFOs,
-// filters, initialisation and errors. No bits and no time; the test says when something happens.
+// The registers of bxCAN as RM0090, chapter 32 describes them: what a driver sees of mailboxes,
+// FIFOs, filters, initialisation and errors. No bits and no time; the test says when something
+// happens.
 #pragma once
 
 #include <array>
@@ -41,7 +42,8 @@ class BxcanModel {
         } else if (offset == kFifo || offset == kFifo + 4) {
             write_fifo((offset - kFifo) / 4, value);
         } else if (offset >= kTransmitMailbox && offset < kTransmitMailbox + 48) {
-            write_mailbox((offset - kTransmitMailbox) / 16, (offset - kTransmitMailbox) % 16, value);
+            write_mailbox((offset - kTransmitMailbox) / 16, (offset - kTransmitMailbox) % 16,
+                          value);
         } else {
             plain_[offset] = value;
         }

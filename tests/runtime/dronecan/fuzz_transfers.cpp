@@ -1,8 +1,8 @@
 // Fuzzing: any frames, through the transport and every codec. Nothing may crash, reach outside its
 // storage or allocate, and afterwards the next good transfer is taken.
 //
-// The input is a list of records of 16 bytes: identifier (4), time since the one before in ms (1), length
-// (1), data (8), two unused.
+// The input is a list of records of 16 bytes: identifier (4), time since the one before in ms (1),
+// length (1), data (8), two unused.
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
@@ -12,9 +12,9 @@
 #include "stator/dronecan/sender.hpp"
 
 // Of the sanitizers' runtime; its header is in another package.
-extern "C" int __sanitizer_install_malloc_and_free_hooks(
-    void (*malloc_hook)(const volatile void*, std::size_t),
-    void (*free_hook)(const volatile void*));
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
+                                                                             std::size_t),
+                                                         void (*free_hook)(const volatile void*));
 
 namespace {
 
