@@ -16,6 +16,10 @@ Line gnss0_received;
 RadioSim::Device radio0;
 Line radio0_received;
 BatterySim::Device battery0;
+CanSocketcan::Device can1;
+Line can1_received;
+Line can1_sent;
+Line can1_changed;
 StorageFile::Device log_storage;
 
 }  // namespace stator::board

@@ -3,6 +3,7 @@
 
 #include "baro_sim.hpp"
 #include "battery_sim.hpp"
+#include "can_socketcan.hpp"
 #include "gnss_sim.hpp"
 #include "imu_sim.hpp"
 #include "mag_sim.hpp"
@@ -27,6 +28,10 @@ extern Line gnss0_received;
 extern RadioSim::Device radio0;
 extern Line radio0_received;
 extern BatterySim::Device battery0;
+extern CanSocketcan::Device can1;
+extern Line can1_received;
+extern Line can1_sent;     // never raised: the driver tries again with its timer
+extern Line can1_changed;  // never raised: that is received, too
 extern StorageFile::Device log_storage;
 
 }  // namespace stator::board

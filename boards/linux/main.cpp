@@ -52,6 +52,18 @@ void connect(board::RealWorld& world) {
     };
 }
 
+[[nodiscard]] bool connect_can(board::RealWorld& world, const board::CanOptions& can) {
+    if (!board::is_can_interface(can.interface)) return false;
+    board::can1.interface = can.interface;
+    board::can1.watch = [](int descriptor) {
+        if (!board::can1_received.watch(descriptor)) fail("cannot wait for the CAN socket");
+    };
+    board::can1.unwatch = [] { board::can1_received.unwatch(); };
+    if (!can.has_parts || world.connect_can_parts(can.interface)) return true;
+    std::fprintf(stderr, "error: cannot use '%s': %s\n", can.interface, std::strerror(errno));
+    return false;
+}
+
 double seconds(std::uint64_t time_ns) {
     return static_cast<double>(time_ns) * 1e-9;
 }
@@ -111,11 +123,14 @@ void print(const board::RealWorld& world, double wall_s) {
 
 int main(int count, char** arguments) {
     board::Options options;
+    board::CanOptions can;
     std::FILE* truth = nullptr;
+    if (!board::take_can_options(count, arguments, can)) return 2;
     if (!board::parse(count, arguments, options)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
     board::RealWorld world(options.conditions, truth);
     connect(world);
+    if (can.interface != nullptr && !connect_can(world, can)) return 2;
     if (!start()) return 2;
     if (!world.begin()) fail("no thread for the world");
     const Ending ending = wait_until(options.duration_us);

@@ -9,6 +9,37 @@
 
 namespace stator::board {
 
+namespace {
+
+// Of the one world of a process; its thread alone uses it.
+CanLink can_link;
+
+}  // namespace
+
+RealWorld::RealWorld(const Conditions& conditions, std::FILE* truth)
+    : world_(conditions),
+      truth_(truth),
+      can_parts_([](const dronecan::Frame& frame, std::uint64_t) { can_link.send(frame); }) {}
+
+bool RealWorld::connect_can_parts(const char* interface) {
+    return can_link.open(interface);
+}
+
+// What the vehicle sent since the last event acts from now on.
+void RealWorld::serve_can(const World::Event& event) {
+    const std::uint64_t now_us = world_.plant().time_us();
+    for (dronecan::Frame frame; can_link.receive(frame);) {
+        const auto control = can_parts_.receive(frame, now_us);
+        if (control) world_.command_motors(now_us, *control);
+    }
+    can_parts_.run(world_, event.gnss);
+    if (can_parts_.times_out(now_us)) {
+        CanParts::Control stopped;
+        stopped.fill(math::canonical_nan<float>());
+        world_.command_motors(now_us, stopped);
+    }
+}
+
 bool RealWorld::begin() {
     truth_is_whole_ = truth_ == nullptr || write_truth_head(truth_);
     const auto run = [](void* object) { static_cast<RealWorld*>(object)->run(); };
@@ -27,7 +58,9 @@ void RealWorld::run() {
         sleep_until_us(event_us);
         if (ends_.load()) return;
         obey(event_us);
-        hand_over(world_.move_to_next_event(), event_us);
+        const World::Event event = world_.move_to_next_event();
+        hand_over(event, event_us);
+        if (can_link.is_open()) serve_can(event);
         if (truth_ != nullptr && event_us % kTruthPeriod_us == 0) {
             truth_is_whole_ = write_truth(truth_, world_) && truth_is_whole_;
         }

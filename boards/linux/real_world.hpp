@@ -10,6 +10,8 @@
 
 #include "baro_sim.hpp"
 #include "battery_sim.hpp"
+#include "can_link.hpp"
+#include "can_parts.hpp"
 #include "motor_sim.hpp"
 #include "stator/mutex.hpp"
 #include "stator/pthread.hpp"
@@ -20,8 +22,11 @@ namespace stator::board {
 class RealWorld {
   public:
     // `truth` takes the true flight; may be null.
-    RealWorld(const Conditions& conditions, std::FILE* truth) : world_(conditions), truth_(truth) {}
+    RealWorld(const Conditions& conditions, std::FILE* truth);
 
+    // Before it begins: puts motor controllers and a satellite receiver on a CAN bus. False if that
+    // is not possible.
+    [[nodiscard]] bool connect_can_parts(const char* interface);
     // After the graph has started. False if there is no thread for it.
     [[nodiscard]] bool begin();
     // Before the graph ends.
@@ -48,6 +53,7 @@ class RealWorld {
 
     void run();
     void obey(std::uint64_t until_us);
+    void serve_can(const World::Event& event);
     void hand_over(const World::Event& event, std::uint64_t now_us);
     bool can_take(const Line& line);
 
@@ -60,6 +66,7 @@ class RealWorld {
     Mutex mutex_;
     std::array<Command, kMostCommands> commands_{};  // under the mutex, and so is the next
     unsigned command_count_ = 0;
+    CanParts can_parts_;
     BaroSim::Device barometer_{};
     BatterySim::Device battery_{};
 };

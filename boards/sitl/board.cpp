@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "can_bus.hpp"
 #include "can_parts.hpp"
 #include "fill.hpp"
 #include "truth.hpp"
@@ -33,7 +34,9 @@ namespace {
 
 std::optional<World> the_world;
 CanBus can_bus;
-CanParts can_parts;
+CanParts can_parts([](const dronecan::Frame& frame, std::uint64_t now_us) {
+    can_bus.send(frame, CanBus::Sender::kParts, now_us);
+});
 std::FILE* truth_file = nullptr;
 bool truth_was_written = false;
 
@@ -64,7 +67,7 @@ void finish_can_frame() {
 }
 
 void run_can_parts(const std::optional<GnssFix>& fix) {
-    can_parts.run(*the_world, fix, can_bus);
+    can_parts.run(*the_world, fix);
     const std::uint64_t now_us = the_world->plant().time_us();
     if (can_parts.times_out(now_us)) {
         CanParts::Control stopped;

@@ -32,7 +32,7 @@ std::int32_t millimetres(double metres) {
 
 }  // namespace
 
-CanParts::CanParts() : receiver_(kWanted) {
+CanParts::CanParts(Send sink) : send_(sink), receiver_(kWanted) {
     dronecan::NodeSet all;
     all.add_range(1, dronecan::kMostNodeId);
     receiver_.allow(all);
@@ -64,16 +64,16 @@ bool CanParts::times_out(std::uint64_t now_us) {
 
 template <class Message>
 void CanParts::send(const Message& message, unsigned part, std::uint8_t& transfer_id,
-                    std::uint64_t now_us, CanBus& bus) {
+                    std::uint64_t now_us) {
     dronecan::Sender<Message::kType.most_bytes> sender;
     sender.begin({.priority = 16, .source = kNodeIds[part]}, transfer_id, message);
     transfer_id = static_cast<std::uint8_t>((transfer_id + 1) % dronecan::kTransferIds);
     for (dronecan::Frame frame; sender.next(frame);) {
-        bus.send(frame, CanBus::Sender::kParts, now_us);
+        send_(frame, now_us);
     }
 }
 
-void CanParts::report(const World& world, unsigned motor, CanBus& bus) {
+void CanParts::report(const World& world, unsigned motor) {
     constexpr double kRpm = 30.0 / math::kPi<double>;  // in 1 rad/s
     const double speed = world.plant().state().rotor_speeds[motor];
     const float control = math::is_nan(control_[motor]) ? 0.0F : control_[motor];
@@ -84,10 +84,10 @@ void CanParts::report(const World& world, unsigned motor, CanBus& bus) {
         .rpm = math::saturate<std::int32_t>(math::round(speed * kRpm)),
         .power_rating_pct = math::saturate<std::uint8_t>(math::round(100.0F * control)),
         .esc_index = static_cast<std::uint8_t>(motor)};
-    send(status, motor, report_ids_[motor], world.plant().time_us(), bus);
+    send(status, motor, report_ids_[motor], world.plant().time_us());
 }
 
-void CanParts::send_fix(const GnssFix& fix, std::uint64_t now_us, CanBus& bus) {
+void CanParts::send_fix(const GnssFix& fix, std::uint64_t now_us) {
     const bool has_fix = fix.satellites >= 4;
     Fix2 message{.longitude_deg_1e8 = hundred_millionths(fix.place.longitude_deg),
                  .latitude_deg_1e8 = hundred_millionths(fix.place.latitude_deg),
@@ -100,26 +100,26 @@ void CanParts::send_fix(const GnssFix& fix, std::uint64_t now_us, CanBus& bus) {
     const float speed = math::square(fix.speed_error);
     message.covariance.assign(
         std::array{horizontal, horizontal, math::square(fix.vertical_error), speed, speed, speed});
-    send(message, kReceiver, fix_id_, now_us, bus);
+    send(message, kReceiver, fix_id_, now_us);
     const Auxiliary geometry{.pdop = 1.5F,
                              .hdop = 0.8F,
                              .vdop = 1.2F,
                              .sats_visible = static_cast<std::uint8_t>(fix.satellites),
                              .sats_used = static_cast<std::uint8_t>(fix.satellites)};
-    send(geometry, kReceiver, geometry_id_, now_us, bus);
+    send(geometry, kReceiver, geometry_id_, now_us);
 }
 
-void CanParts::run(const World& world, const std::optional<GnssFix>& fix, CanBus& bus) {
+void CanParts::run(const World& world, const std::optional<GnssFix>& fix) {
     if (!awake_) return;
     const std::uint64_t now_us = world.plant().time_us();
-    if (fix) send_fix(*fix, now_us, bus);
+    if (fix) send_fix(*fix, now_us);
     if (report_timer_.take(now_us)) {
-        for (unsigned i = 0; i < kRotors; ++i) report(world, i, bus);
+        for (unsigned i = 0; i < kRotors; ++i) report(world, i);
     }
     if (!status_timer_.take(now_us)) return;
     const NodeStatus status{.uptime_sec = static_cast<std::uint32_t>(now_us / 1'000'000)};
     for (unsigned part = 0; part < kNodes; ++part) {
-        send(status, part, status_ids_[part], now_us, bus);
+        send(status, part, status_ids_[part], now_us);
     }
 }
 

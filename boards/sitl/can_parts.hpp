@@ -4,7 +4,6 @@
 
 #include <optional>
 
-#include "can_bus.hpp"
 #include "dronecan/equipment/esc/raw_command.hpp"
 #include "stator/dronecan/receiver.hpp"
 #include "stator/dronecan/sender.hpp"
@@ -17,12 +16,15 @@ class CanParts {
   public:
     using Control = std::array<float, kRotors>;
 
-    CanParts();
+    // Where their frames go, when.
+    using Send = void (*)(const dronecan::Frame& frame, std::uint64_t now_us);
+
+    explicit CanParts(Send sink);
 
     // A frame of the vehicle. The new motor commands, if it ended a transfer of them.
     std::optional<Control> receive(const dronecan::Frame& frame, std::uint64_t now_us);
     // To be called in steps of 1 ms or so; sends what is due.
-    void run(const World& world, const std::optional<GnssFix>& fix, CanBus& bus);
+    void run(const World& world, const std::optional<GnssFix>& fix);
     // Controllers that get no commands stop. True once, when they do.
     bool times_out(std::uint64_t now_us);
 
@@ -31,10 +33,11 @@ class CanParts {
 
     template <class Message>
     void send(const Message& message, unsigned part, std::uint8_t& transfer_id,
-              std::uint64_t now_us, CanBus& bus);
-    void send_fix(const GnssFix& fix, std::uint64_t now_us, CanBus& bus);
-    void report(const World& world, unsigned motor, CanBus& bus);
+              std::uint64_t now_us);
+    void send_fix(const GnssFix& fix, std::uint64_t now_us);
+    void report(const World& world, unsigned motor);
 
+    Send send_;
     dronecan::Receiver<1, dronecan::equipment::esc::RawCommand::kType.most_bytes> receiver_;
     Timer report_timer_{.period_us = 25'000};
     Timer status_timer_{.period_us = 1'000'000};

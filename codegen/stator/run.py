@@ -34,6 +34,14 @@ OWN_FACTS = ("missed_samples", "missed_releases", "real_time", "not_allowed", "l
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_flight_arguments(parser, board="linux", what="a board of threads")
+    parser.add_argument(
+        "--can", metavar="INTERFACE", help="the CAN interface behind the device can1, such as can0"
+    )
+    parser.add_argument(
+        "--no-can-parts",
+        action="store_true",
+        help="the motor controllers and the receiver on the CAN bus are real: simulate none",
+    )
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -43,7 +51,7 @@ def main(arguments: argparse.Namespace) -> int:
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     try:
         program = build(arguments.graph, arguments.board, executor="pthread")
-        flies = _flies(arguments.graph, arguments.board)
+        flies = _flies(arguments)
     except UserError as failed:
         print(failed, file=sys.stderr)
         return NOT_RUN
@@ -64,9 +72,20 @@ def main(arguments: argparse.Namespace) -> int:
     return 0 if facts["success"] else 1
 
 
-def _flies(graph: Path, board: str) -> bool:
-    """Whether there is a flight to judge."""
-    return any(task.node.device == "motors" for task in make_plan(str(graph), board).tasks)
+def _flies(arguments: argparse.Namespace) -> bool:
+    """Whether there is a flight to judge. Raises `UserError` for a graph and a bus that do not fit."""
+    tasks = make_plan(str(arguments.graph), arguments.board).tasks
+    has_can = any(task.node.device == "can1" for task in tasks)
+    if has_can and arguments.can is None:
+        raise UserError(
+            f"error: {arguments.graph.stem} has a CAN bus, and no interface is given for it\n"
+            "hint: add --can vcan0; ip link add vcan0 type vcan && ip link set vcan0 up makes one"
+        )
+    if arguments.can is not None and not has_can:
+        raise UserError(f"error: {arguments.graph.stem} has no device can1\nhint: leave out --can")
+    has_motors = any(task.node.device == "motors" for task in tasks)
+    on_can = any(task.node.interface.name == "can_esc" for task in tasks)
+    return has_motors or (on_can and not arguments.no_can_parts)
 
 
 def _run(
@@ -75,6 +94,9 @@ def _run(
     """Signals end the program in order, which then says what there was until then."""
     command = [str(program), "--log", str(log), "--truth", str(truth)]
     command += flight_options(arguments)
+    if arguments.can is not None:
+        parts = "no" if arguments.no_can_parts else "yes"
+        command += ["--can", arguments.can, "--can-parts", parts]
     before = {}
     pipe = subprocess.PIPE
     with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process:
