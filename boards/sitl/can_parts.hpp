@@ -39,7 +39,7 @@ class CanParts {
 
     Send send_;
     dronecan::Receiver<1, dronecan::equipment::esc::RawCommand::kType.most_bytes> receiver_;
-    Timer report_timer_{.period_us = 25'000};
+    Timer report_timer_{.period_us = 50'000};
     Timer status_timer_{.period_us = 1'000'000};
     std::array<std::uint8_t, kNodes> status_ids_{};
     std::array<std::uint8_t, kRotors> report_ids_{};

@@ -39,9 +39,7 @@ bool is_up(int descriptor, const char* name) {
 }
 
 // How long ago the kernel saw the frame, by its clock of the day.
-uint64_t age_us(const timespec& seen) {
-    timespec now{};
-    clock_gettime(CLOCK_REALTIME, &now);
+uint64_t age_us(const timespec& seen, const timespec& now) {
     const int64_t age_ns =
         (now.tv_sec - seen.tv_sec) * 1'000'000'000LL + (now.tv_nsec - seen.tv_nsec);
     constexpr int64_t kMost_ns = 1'000'000'000;  // more, or less than none: that clock was set
@@ -61,7 +59,8 @@ bool SocketPort::open() {
         is_up(socket_, device_.interface) && ioctl(socket_, SIOCGIFINDEX, &request) == 0;
     address.can_ifindex = request.ifr_ifindex;
     std::array<can_filter, Device::kMostFilters> filters{};
-    filters[0] = {.can_id = 0, .can_mask = CAN_RTR_FLAG | CAN_ERR_FLAG};
+    // Without CAN_ERR_FLAG: a mask with it would ask for error frames only.
+    filters[0] = {.can_id = 0, .can_mask = CAN_RTR_FLAG};
     const unsigned count = std::clamp(device_.filter_count, 1U, Device::kMostFilters);
     for (unsigned i = 0; i < device_.filter_count && i < filters.size(); ++i) {
         filters[i] = {.can_id = device_.filters[i].id, .can_mask = device_.filters[i].mask};
@@ -117,50 +116,77 @@ CanSend SocketPort::send(const CanFrame& frame) {
     return CanSend::kFull;
 }
 
-bool SocketPort::receive(CanFrame& frame, uint64_t now_us) {
-    while (socket_ >= 0) {
-        can_frame raw{};
-        iovec part{&raw, sizeof raw};
+// Takes as many frames from the kernel as one call gives; false if there are none.
+bool SocketPort::fetch(uint64_t now_us) {
+    struct Raw {
+        can_frame frame;
         alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(uint32_t))];
-        msghdr message{};
-        message.msg_iov = &part;
-        message.msg_iovlen = 1;
-        message.msg_control = control;
-        message.msg_controllen = sizeof control;
-        const ssize_t length = recvmsg(socket_, &message, 0);
-        if (length < 0) {
-            fail(errno);
-            return false;
-        }
-        uint64_t age = 0;
-        for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
+    };
+    std::array<Raw, kMostFetched> raw{};
+    std::array<iovec, kMostFetched> parts{};
+    std::array<mmsghdr, kMostFetched> messages{};
+    for (unsigned i = 0; i < kMostFetched; ++i) {
+        parts[i] = {&raw[i].frame, sizeof raw[i].frame};
+        messages[i].msg_hdr.msg_iov = &parts[i];
+        messages[i].msg_hdr.msg_iovlen = 1;
+        messages[i].msg_hdr.msg_control = raw[i].control;
+        messages[i].msg_hdr.msg_controllen = sizeof raw[i].control;
+    }
+    const int count = recvmmsg(socket_, messages.data(), kMostFetched, 0, nullptr);
+    if (count < 0) {
+        fail(errno);
+        return false;
+    }
+    timespec now{};
+    clock_gettime(CLOCK_REALTIME, &now);
+    for (int i = 0; i < count; ++i) {
+        mmsghdr& message = messages[static_cast<unsigned>(i)];
+        const can_frame& frame = raw[static_cast<unsigned>(i)].frame;
+        timespec seen = now;
+        for (cmsghdr* c = CMSG_FIRSTHDR(&message.msg_hdr); c != nullptr;
+             c = CMSG_NXTHDR(&message.msg_hdr, c)) {
             if (c->cmsg_level != SOL_SOCKET) continue;
-            if (c->cmsg_type == SCM_TIMESTAMPNS) {
-                timespec seen;
-                std::memcpy(&seen, CMSG_DATA(c), sizeof seen);
-                age = age_us(seen);
-            } else if (c->cmsg_type == SO_RXQ_OVFL) {
+            if (c->cmsg_type == SCM_TIMESTAMPNS) std::memcpy(&seen, CMSG_DATA(c), sizeof seen);
+            if (c->cmsg_type == SO_RXQ_OVFL) {
                 std::memcpy(&rx_lost_, CMSG_DATA(c), sizeof rx_lost_);
             }
         }
-        if ((raw.can_id & CAN_ERR_FLAG) != 0) {
-            take_error_frame(raw.can_id, raw.data);
-            continue;
-        }
-        if (length != sizeof raw || raw.len > frame.data.size() ||
-            (raw.can_id & CAN_RTR_FLAG) != 0) {
-            ++rx_ignored_;
-            continue;
-        }
-        const bool extended = (raw.can_id & CAN_EFF_FLAG) != 0;
-        frame = {.timestamp_sample = now_us > age ? now_us - age : 0,
-                 .id = raw.can_id & (extended ? CAN_EFF_MASK : CAN_SFF_MASK),
-                 .extended = extended,
-                 .length = raw.len};
-        std::copy_n(raw.data, frame.data.size(), frame.data.begin());
-        return true;
+        const uint64_t age = age_us(seen, now);
+        sort(frame, message.msg_len == sizeof frame, now_us > age ? now_us - age : 0);
     }
-    return false;
+    return true;
+}
+
+// A data frame is kept, an error frame told, and what else there is counted.
+void SocketPort::sort(const can_frame& raw, bool is_whole, uint64_t seen_us) {
+    if ((raw.can_id & CAN_ERR_FLAG) != 0) {
+        take_error_frame(raw.can_id, raw.data);
+        return;
+    }
+    if (!is_whole || raw.len > sizeof raw.data || (raw.can_id & CAN_RTR_FLAG) != 0) {
+        ++rx_ignored_;
+        return;
+    }
+    const bool extended = (raw.can_id & CAN_EFF_FLAG) != 0;
+    CanFrame& frame = fetched_[fetched_count_++];
+    frame = {.timestamp_sample = seen_us,
+             .id = raw.can_id & (extended ? CAN_EFF_MASK : CAN_SFF_MASK),
+             .extended = extended,
+             .length = raw.len};
+    std::copy_n(raw.data, frame.data.size(), frame.data.begin());
+}
+
+bool SocketPort::receive(CanFrame& frame, uint64_t now_us) {
+    if (taken_ == fetched_count_) {
+        taken_ = 0;
+        fetched_count_ = 0;
+        // Once an activation: whatever is left raises the line again.
+        if (socket_ < 0 || fetched_us_ == now_us || !fetch(now_us)) return false;
+        fetched_us_ = now_us;
+        if (fetched_count_ == 0) return false;
+    }
+    frame = fetched_[taken_++];
+    return true;
 }
 
 // <linux/can/error.h>. Of the controller's states, the last one told holds.

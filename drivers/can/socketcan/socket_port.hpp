@@ -6,6 +6,8 @@
 
 #include "../can_driver.hpp"
 
+struct can_frame;  // of <linux/can.h>
+
 namespace stator {
 
 // Opens the interface as soon as it is there and up, and again when it went away and came back.
@@ -37,12 +39,20 @@ class SocketPort {
   private:
     using State = CanInterfaceStatus::State;
 
+    static constexpr unsigned kMostFetched = 8;
+
     bool open();
     void close();
+    bool fetch(uint64_t now_us);
+    void sort(const can_frame& raw, bool is_whole, uint64_t seen_us);
     void take_error_frame(uint32_t kind, const uint8_t* data);
     void fail(int error);
 
     Device& device_;
+    std::array<CanFrame, kMostFetched> fetched_{};
+    unsigned fetched_count_ = 0;
+    unsigned taken_ = 0;
+    uint64_t fetched_us_ = 0;
     uint64_t next_open_us_ = 0;
     uint64_t io_errors_ = 0;
     uint32_t rx_lost_before_ = 0;  // by sockets that are closed
