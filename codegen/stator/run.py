@@ -73,7 +73,7 @@ def main(arguments: argparse.Namespace) -> int:
 
 
 def _flies(arguments: argparse.Namespace) -> bool:
-    """Whether there is a flight to judge. Raises `UserError` for a graph and a bus that do not fit."""
+    """Whether there is a flight to judge. Raises `UserError` if graph and bus do not fit."""
     tasks = make_plan(str(arguments.graph), arguments.board).tasks
     has_can = any(task.node.device == "can1" for task in tasks)
     if has_can and arguments.can is None:

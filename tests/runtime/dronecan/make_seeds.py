@@ -1,6 +1,6 @@
 """Makes the folder seeds/ of the fuzzer: good transfers of every type, as frames.
 
-    .venv/bin/python tests/runtime/dronecan/make_seeds.py FOLDER
+.venv/bin/python tests/runtime/dronecan/make_seeds.py FOLDER
 """
 
 from __future__ import annotations
