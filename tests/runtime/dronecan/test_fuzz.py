@@ -12,19 +12,9 @@ ROOT = Path(__file__).resolve().parents[3]
 HERE = Path(__file__).parent
 BUILD = ROOT / "build" / "fuzz"
 LONGEST_INPUT = 2048  # 128 frames: two of the longest transfers
-COMPILE = [
-    "clang++",
-    "-std=c++20",
-    "-O1",
-    "-g",
-    "-Wall",
-    "-Wextra",
-    "-Werror",
-    "-fno-exceptions",
-    "-fno-rtti",
-    "-fsanitize=fuzzer,address,undefined",
-    "-fno-sanitize-recover=all",
-]
+COMPILE = ["clang++", "-std=c++20", "-O1", "-g", "-Wall", "-Wextra", "-Werror"]
+COMPILE += ["-fno-exceptions", "-fno-rtti", "-fno-sanitize-recover=all"]
+COMPILE += ["-fsanitize=fuzzer,address,undefined"]
 
 
 @pytest.fixture(scope="module")
