@@ -23,7 +23,7 @@ class Alignment {
     }
     // Of each tilt angle: the more the mean force differs from gravity, the less level it shows.
     float tilt_variance() const {
-        constexpr float kAtRest = 0.05f;  // rad: mounting, accelerometer bias
+        constexpr float kAtRest = 0.02f;  // rad: the ground shakes, a hand holds it
         const float excess = math::norm(force_B_) / (time_ * kGravity) - 1.0f;
         return math::square(kAtRest) + math::square(excess);
     }

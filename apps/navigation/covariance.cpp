@@ -34,6 +34,19 @@ void Covariance::reset(unsigned first, unsigned count, float variance) {
     }
 }
 
+void Covariance::level(const math::Matrix3<float>& R_NB, float gravity, float bias_variance,
+                       float tilt_variance) {
+    const float shared = bias_variance / gravity;
+    reset(kTurn, 2, tilt_variance + shared / gravity);
+    reset(kAccelBias, 3, bias_variance);
+    // gravity (-turn_east, turn_north) = R_NB bias, in its first two rows.
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        p_[kTurn][kAccelBias + axis] = p_[kAccelBias + axis][kTurn] = shared * R_NB(1, axis);
+        p_[kTurn + 1][kAccelBias + axis] = p_[kAccelBias + axis][kTurn + 1] =
+            -shared * R_NB(0, axis);
+    }
+}
+
 void Covariance::loosen(unsigned first, unsigned second, float variance) {
     p_[first][first] += variance;
     p_[second][second] += variance;

@@ -49,6 +49,10 @@ class Covariance {
 
     // Forgets what is known of `count` states.
     void reset(unsigned first, unsigned count, float variance);
+    // Level was found from the accelerometer: what is wrong with it now is its bias over gravity,
+    // and `tilt_variance` of motion meanwhile. Tilt and bias together explain no acceleration.
+    void level(const math::Matrix3<float>& R_NB, float gravity, float bias_variance,
+               float tilt_variance);
     // Makes the difference of two states uncertain and leaves their sum as it was.
     void loosen(unsigned first, unsigned second, float variance);
 

@@ -70,12 +70,12 @@ void Filter::start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance
     *this = Filter();
     time_us_ = time_us;
     kinematics_.q_NB = q_NB;
-    covariance_.reset(kTurn, 2, tilt_variance);
     covariance_.reset(kHeading, 1, heading_variance);
     covariance_.reset(kVelocity, 3, 0.25f);
     covariance_.reset(kPosition, 3, 0.01f);
     covariance_.reset(kGyroBias, 3, math::square(params.gyro_bias_uncertainty));
-    covariance_.reset(kAccelBias, 3, math::square(params.accel_bias_uncertainty));
+    covariance_.level(q_NB.toRotationMatrix(), kGravity,
+                      math::square(params.accel_bias_uncertainty), tilt_variance);
     covariance_.reset(kBaroOffset, 1, 0.01f);
     covariance_.reset(kMagOffset, 1, math::square(params.mag_offset_uncertainty));
     covariance_.limit();

@@ -1,4 +1,4 @@
-"""`stator score attitude DIR`: the quad's attitude node over recordings, against what was true."""
+"""`stator score`: the quad's attitude node over recordings, against what was true; the command."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from stator import score_navigation
 from stator.flight_recordings import COLUMNS, IMU, MAG, RecordingError, write_rows
 from stator.library import HOME
 
@@ -243,17 +244,18 @@ def as_json(scores: list[Score], mean: Score, peers: dict[str, list[Score]]) -> 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = (
-        f"A recording is NAME{SUFFIX}: a gzip file of float32, little-endian, {PLANES} planes of\n"
-        "N values at 285.714 Hz: gyro xyz [rad/s], accelerometer xyz [m/s^2], magnetometer xyz\n"
-        "[uT], true attitude wxyz (sensor to east-north-up, NaN where unknown), moving (0 or 1)."
-    )
-    parser.add_argument("estimator", choices=["attitude"], help="what to score")
+    parser.epilog = f"""\
+attitude: a recording is NAME{SUFFIX}, a gzip file of float32, little-endian, {PLANES} planes of N
+values at 285.714 Hz: gyro xyz [rad/s], accelerometer xyz [m/s^2], magnetometer xyz [uT], true
+attitude wxyz (sensor to east-north-up, NaN where unknown), moving (0 or 1).
+
+{score_navigation.EPILOG}"""
+    parser.add_argument("estimator", choices=["attitude", "navigation"], help="what to score")
     parser.add_argument(
         "folder",
         type=Path,
         metavar="DIR",
-        help=f"folder of *{SUFFIX} recordings, and peer_rmse.csv if there is one",
+        help="folder of recordings, and of what others made of them if there is that",
     )
     parser.add_argument("--json", action="store_true", help="print what programs read")
 
@@ -278,6 +280,9 @@ def main(arguments: argparse.Namespace) -> int:
     from stator.diagnostics import BuildFailed
 
     try:
+        if arguments.estimator == "navigation":
+            score_navigation.main(arguments.folder, as_json=arguments.json)
+            return 0
         scores, peers = score(arguments.folder)
     except (RecordingError, BuildFailed) as problem:
         print(problem, file=sys.stderr)

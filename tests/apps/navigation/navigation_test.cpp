@@ -67,10 +67,11 @@ TEST(Navigation, FindsItsBiases) {
     NavigationRig rig = flying();
     rig.gyro_bias = {0.01, -0.02, 0.015};
     rig.accel_bias = {0.15, -0.1, 0.2};
+    rig.params.accel_bias_uncertainty = 0.2f;  // of an accelerometer that nobody calibrated
     rig.yaw_rate = 0.3;
     rig.run(180);
     for (int i = 0; i < 3; ++i) {
-        EXPECT_NEAR(rig.bias.gyro_bias[static_cast<unsigned>(i)], rig.gyro_bias(i), 0.002);
+        EXPECT_NEAR(rig.bias.gyro_bias[static_cast<unsigned>(i)], rig.gyro_bias(i), 0.004);
         EXPECT_NEAR(rig.bias.accel_bias[static_cast<unsigned>(i)], rig.accel_bias(i), 0.05);
     }
 }
