@@ -41,16 +41,44 @@ Vector3<float> down_B(const Quaternion<float>& q) {
             1.0F - 2.0F * (q.x() * q.x() + q.y() * q.y())};
 }
 
+bool is_flown_by_hand(const AttitudeControlPorts& ports) {
+    using Nav = VehicleStatus::NavState;
+    if (!ports.status || !ports.sticks || !ports.sticks->valid) return false;
+    return ports.status->nav_state == Nav::kManual || ports.status->nav_state == Nav::kStabilized;
+}
+
+// Least at the lower end, hover in the middle, most at the upper end.
+float thrust_of(float throttle, const AttitudeControlParams& params) {
+    const float t = math::clamp(throttle, -1.0F, 1.0F);
+    const float beyond = t < 0.0F ? params.stick_hover : params.stick_most - params.stick_hover;
+    return params.stick_hover + t * beyond;
+}
+
+// The sticks as an attitude: tilted as they are, with the heading of q_NB.
+VehicleAttitudeSetpoint by_hand(const AttitudeControlPorts& ports, const Quaternion<float>& q_NB) {
+    const ManualControlSetpoint& sticks = *ports.sticks;
+    const AttitudeControlParams& params = *ports.params;
+    const Quaternion<float> q = math::from_euler(math::EulerAngles<float>{
+        params.stick_tilt * sticks.roll, -params.stick_tilt * sticks.pitch, math::heading(q_NB)});
+    return {.yaw_sp_move_rate = params.stick_yaw_rate * sticks.yaw,
+            .q_d = math::to_array(q),
+            .thrust_body = {0.0F, 0.0F, -thrust_of(sticks.throttle, params)}};
+}
+
 }  // namespace
 
 Vector3<float> AttitudeControl::rates_setpoint(const AttitudeControlPorts& ports) {
-    const Quaternion<float> q_NB = math::quaternion(ports.attitude->q);
+    const VehicleAttitude& attitude = ports.navigation ? *ports.navigation : *ports.attitude;
+    const Quaternion<float> q_NB = math::quaternion(attitude.q);
     Quaternion<float> wanted = level(q_NB);
     float yaw_rate = 0.0F;
-    if (ports.setpoint && is_usable(*ports.setpoint)) {
-        wanted = math::quaternion(ports.setpoint->q_d);
-        yaw_rate = ports.setpoint->yaw_sp_move_rate;
-        thrust_body_ = ports.setpoint->thrust_body;
+    VehicleAttitudeSetpoint setpoint{.q_d = {math::canonical_nan<float>()}};
+    if (ports.setpoint) setpoint = *ports.setpoint;
+    if (is_flown_by_hand(ports)) setpoint = by_hand(ports, q_NB);
+    if (is_usable(setpoint)) {
+        wanted = math::quaternion(setpoint.q_d);
+        yaw_rate = setpoint.yaw_sp_move_rate;
+        thrust_body_ = setpoint.thrust_body;
         has_setpoint_ = true;
     }
     if (!has_setpoint_) return Vector3<float>::Zero();

@@ -29,6 +29,12 @@ void Motion::reset() {
     low_passed_velocity_.setConstant(math::canonical_nan<float>());
 }
 
+void Motion::set_hover_thrust(float hover_thrust) {
+    const float part = limits_.hover_thrust / hover_thrust;
+    integral_[kDown] = kGravity - part * (kGravity - integral_[kDown]);
+    limits_.hover_thrust = hover_thrust;
+}
+
 Vector3<float> Motion::limited_velocity(Vector3<float> velocity) const {
     velocity.z() = math::clamp(velocity.z(), -limits_.climb, limits_.descent);
     return with_horizontal_limit(velocity, limits_.horizontal_speed);
@@ -82,7 +88,9 @@ Vector3<float> Motion::update(const MotionEstimate& estimate, const TrajectorySe
     Vector3<float> wanted = gains_.velocity_p.cwiseProduct(error) + integral_ -
                             gains_.velocity_d.cwiseProduct(measured);
     for (int i = 0; i < 3; ++i) {
-        wanted[i] += finite_or_zero(setpoint.acceleration[static_cast<unsigned>(i)]);
+        const auto axis = static_cast<unsigned>(i);
+        wanted[i] += finite_or_zero(setpoint.acceleration[axis]);
+        wanted[i] += limits_.drag * finite_or_zero(setpoint.velocity[axis]);
     }
     if (!math::is_finite(estimate.velocity_N[kDown])) {
         wanted[kDown] = integral_[kDown] + limits_.blind_sink;

@@ -24,6 +24,7 @@ struct MotionLimits {
     float thrust_min;    // share of the most, as all thrust here
     float hover_thrust;  // carries the weight
     float blind_sink;    // m/s^2
+    float drag;          // 1/s
 };
 
 // What is not known is not a number.
@@ -34,7 +35,7 @@ struct MotionEstimate {
 
 //     velocity_setpoint = position_p * position error + velocity feed-forward
 //     acceleration = p * velocity error + i * its integral - d * low-passed acceleration
-//                    + acceleration feed-forward
+//                    + acceleration feed-forward + drag * velocity feed-forward
 //     thrust_N = hover_thrust / g * (acceleration - (0, 0, g))
 //
 // Weight goes before direction: the thrust vector is cut first in height, then in tilt. An axis
@@ -46,6 +47,8 @@ class Motion {
     void set_gains(const MotionGains& gains) { gains_ = gains; }
     void set_limits(const MotionLimits& limits) { limits_ = limits; }
     void reset();
+    // Another hover thrust, while thrust stays the same: the integral makes up for it.
+    void set_hover_thrust(float hover_thrust);
 
     // dt > 0 in s; `thrust_max` is the longest thrust vector. Thrust in N, upwards negative.
     math::Vector3<float> update(const MotionEstimate& estimate, const TrajectorySetpoint& setpoint,

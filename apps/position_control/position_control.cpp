@@ -39,6 +39,25 @@ bool is_armed(const PositionControlPorts& ports) {
     return ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
 }
 
+bool is_flown_by_hand(const PositionControlPorts& ports) {
+    using Nav = VehicleStatus::NavState;
+    if (!ports.status) return false;
+    return ports.status->nav_state == Nav::kManual || ports.status->nav_state == Nav::kStabilized;
+}
+
+bool stands(const PositionControlPorts& ports) {
+    return ports.land && ports.land->landed;
+}
+bool flies(const PositionControlPorts& ports) {
+    return ports.land && !ports.land->landed;
+}
+
+// On the ground, where a vehicle that holds its position leans into the wind, and falls over.
+bool rests(const PositionControlPorts& ports) {
+    const bool should_climb = ports.setpoint && ports.setpoint->velocity[2] < 0.0F;
+    return stands(ports) && !should_climb;
+}
+
 void publish_attitude(PositionControlPorts& ports, const Vector3<float>& thrust_N, float yaw,
                       float yaw_rate) {
     const Vector3<float> down_B = -thrust_N;  // the body's z axis in N; level without thrust
@@ -66,7 +85,9 @@ void PositionControl::configure(const PositionControlParams& p) {
                         .tan_tilt = math::tan(p.tilt_limit),
                         .thrust_min = p.thrust_min,
                         .hover_thrust = p.hover_thrust,
-                        .blind_sink = p.blind_sink});
+                        .blind_sink = p.blind_sink,
+                        .drag = p.drag});
+    hover_.restart(p.hover_thrust);
 }
 
 // False while there is nothing to act on: no position now, and none is missed yet.
@@ -88,10 +109,17 @@ float PositionControl::seconds_since_last(uint64_t timestamp_us) {
     return math::clamp(static_cast<float>(elapsed_us) * 1e-6F, kShortestStep, kLongestStep);
 }
 
-// Rises from nothing after arming, so that the motors do not jump to hover.
+// Rises from nothing after arming or standing, so that the motors do not jump to hover.
 float PositionControl::thrust_max(const PositionControlParams& params, float dt) {
     armed_for_s_ = math::min(armed_for_s_ + dt, params.spool_up_time);
     return params.thrust_max * armed_for_s_ / params.spool_up_time;
+}
+
+// In flight alone: on the ground, it carries the rest.
+void PositionControl::learn_hover_thrust(const PositionControlPorts& ports, float dt) {
+    if (!flies(ports)) return hover_.restart(ports.params->hover_thrust);
+    hover_.update(-thrust_N_.z(), estimate_.velocity_N.z(), dt, ports.params->hover_time_constant);
+    motion_.set_hover_thrust(hover_.value());
 }
 
 void PositionControl::step(PositionControlPorts& ports) {
@@ -100,18 +128,23 @@ void PositionControl::step(PositionControlPorts& ports) {
     if (!take_position(ports)) return;
     const float dt =
         seconds_since_last(ports.position ? ports.position->timestamp_sample : ports.now);
-    if (!is_armed(ports)) {
-        motion_.reset();
+    const bool armed = is_armed(ports);
+    if (!armed || is_flown_by_hand(ports) || rests(ports)) {
+        // A vehicle that only seemed to have landed goes on with the integral it had.
+        if (!armed || is_flown_by_hand(ports)) motion_.reset();
         armed_for_s_ = 0.0F;
         publish_attitude(ports, Vector3<float>::Zero(), heading_, 0.0F);
         return;
     }
+    if (armed_for_s_ == 0.0F && stands(ports)) motion_.reset();
+    if (flies(ports)) armed_for_s_ = params.spool_up_time;
     const TrajectorySetpoint& setpoint = ports.setpoint ? *ports.setpoint : kStandStill;
     const float most = thrust_max(params, dt);
-    const Vector3<float> thrust_N = motion_.update(estimate_, setpoint, dt, most);
+    learn_hover_thrust(ports, dt);
+    thrust_N_ = motion_.update(estimate_, setpoint, dt, most);
     const float yaw = math::is_finite(setpoint.yaw) ? setpoint.yaw : heading_;
     const float yaw_rate = math::is_finite(setpoint.yawspeed) ? setpoint.yawspeed : 0.0F;
-    publish_attitude(ports, thrust_N, yaw, yaw_rate);
+    publish_attitude(ports, thrust_N_, yaw, yaw_rate);
 }
 
 }  // namespace stator

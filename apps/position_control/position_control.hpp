@@ -3,14 +3,17 @@
 
 #include <cstdint>
 
+#include "hover_thrust.hpp"
 #include "motion.hpp"
 #include "position_control_ports.hpp"
 
 namespace stator {
 
-// Runs with every position estimate. Disarmed, or without a status, it wants level and no thrust.
-// Without a setpoint it stands still. Without a position, if something else activates it, it waits
-// a moment, then sinks level; so it does axis by axis with what the estimate calls invalid.
+// Runs with every position estimate. Disarmed, without a status, or while the pilot's sticks are
+// the attitude (modes manual and stabilized), and on the ground until it shall climb, it wants
+// level and no thrust. Without a setpoint it stands still. Without a position, if something else
+// activates it, it waits a moment, then sinks level; so it does axis by axis with what the estimate
+// calls invalid.
 class PositionControl {
   public:
     void step(PositionControlPorts& ports);
@@ -21,7 +24,11 @@ class PositionControl {
     float seconds_since_last(uint64_t timestamp_us);
     float thrust_max(const PositionControlParams& params, float dt);
 
+    void learn_hover_thrust(const PositionControlPorts& ports, float dt);
+
     Motion motion_;
+    HoverThrust hover_;
+    math::Vector3<float> thrust_N_ = math::Vector3<float>::Zero();
     MotionEstimate estimate_{};
     float heading_ = 0.0F;
     float armed_for_s_ = 0.0F;

@@ -28,6 +28,7 @@ CanSim::Device can1;
 Line can1_received;
 Line can1_sent;
 Line can1_changed;
+MissionSim::Device mission0;
 StorageFile::Device log_storage;
 
 namespace {
@@ -105,6 +106,13 @@ void hand_over(const World::Event& event, std::uint64_t now_us) {
     if (event.battery_measured) fill(battery0, the_world->battery());
 }
 
+// A mission without items stands for one that was lost.
+void lose_mission() {
+    if (!the_world->mission_is_lost() || mission0.mission.count == 0) return;
+    mission0.mission.count = 0;
+    ++mission0.version;
+}
+
 void record_truth() {
     if (truth_file == nullptr || the_world->plant().time_us() % kTruthPeriod_us != 0) return;
     truth_was_written = write_truth(truth_file, *the_world) && truth_was_written;
@@ -112,7 +120,14 @@ void record_truth() {
 
 }  // namespace
 
-void prepare(const Conditions& conditions, std::FILE* truth) {
+void prepare(Conditions conditions, const Mission* mission, std::FILE* truth) {
+    if (mission != nullptr) {
+        mission0 = {.mission = *mission, .version = 1};
+        if (math::is_finite(mission->origin_lat)) {
+            conditions.earth.latitude_deg = mission->origin_lat;
+            conditions.earth.longitude_deg = mission->origin_lon;
+        }
+    }
     the_world.emplace(conditions);
     truth_file = truth;
     truth_was_written = truth == nullptr || write_truth_head(truth);
@@ -140,6 +155,7 @@ void advance(std::uint64_t now_us) {
         const World::Event event = the_world->move_to_next_event();
         hand_over(event, the_world->plant().time_us());
         run_can_parts(event.gnss);
+        lose_mission();
         record_truth();
     }
     if (the_world->is_over()) stop();

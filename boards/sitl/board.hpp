@@ -10,6 +10,7 @@
 #include "gnss_sim.hpp"
 #include "imu_sim.hpp"
 #include "mag_sim.hpp"
+#include "mission_sim.hpp"
 #include "mocap_sim.hpp"
 #include "motor_sim.hpp"
 #include "radio_sim.hpp"
@@ -36,10 +37,12 @@ extern CanSim::Device can1;
 extern Line can1_received;
 extern Line can1_sent;
 extern Line can1_changed;
+extern MissionSim::Device mission0;
 extern StorageFile::Device log_storage;
 
-// Before the graph starts: makes the world. `truth` takes the true flight; may be null.
-void prepare(const Conditions& conditions, std::FILE* truth);
+// Before the graph starts: makes the world. It lies where the mission has its origin, if that has a
+// place on Earth. `mission` and `truth`, which takes the true flight, may be null.
+void prepare(Conditions conditions, const Mission* mission, std::FILE* truth);
 
 const World& world();
 bool truth_is_whole();

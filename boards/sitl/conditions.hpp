@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "earth.hpp"
 #include "faults.hpp"
 #include "pilot.hpp"
 #include "wind.hpp"
@@ -15,6 +16,7 @@ struct Conditions {
     WindParameters wind{};
     Faults faults{};
     Pilot pilot{};
+    Earth earth{};
 };
 
 }  // namespace stator::board

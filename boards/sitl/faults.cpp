@@ -20,6 +20,8 @@ struct Row {
 };
 constexpr std::array kRows{Row{"gnss_loss", FaultKind::kGnssLoss, 0.0, 0.0},
                            Row{"gnss_glitch", FaultKind::kGnssGlitch, 20.0, 1e5},
+                           Row{"baro_loss", FaultKind::kBaroLoss, 0.0, 0.0},
+                           Row{"mission_loss", FaultKind::kMissionLoss, 0.0, 0.0},
                            Row{"rc_loss", FaultKind::kRcLoss, 0.0, 0.0},
                            Row{"battery_low", FaultKind::kBatteryLow, 0.1, 1.0},
                            Row{"motor_1", FaultKind::kMotor1, 0.7, 1.0},
@@ -54,7 +56,8 @@ std::uint64_t microseconds(double seconds) {
 }  // namespace
 
 const char* const kFaultNames =
-    "gnss_loss, gnss_glitch[=METRES], rc_loss, battery_low[=0..1], motor_1 to motor_4[=0..1]";
+    "gnss_loss, gnss_glitch[=METRES], baro_loss, mission_loss, rc_loss, battery_low[=0..1], "
+    "motor_1 to motor_4[=0..1]";
 
 bool Faults::add(const Fault& fault) {
     if (count_ == kMost) return false;

@@ -8,11 +8,13 @@
 namespace stator::board {
 
 enum class FaultKind : std::uint8_t {
-    kGnssLoss,    // the receiver has no fix
-    kGnssGlitch,  // the fix is VALUE metres off
-    kRcLoss,      // the pilot's transmitter is not heard
-    kBatteryLow,  // at most VALUE is left of the battery, for good
-    kMotor1,      // the first rotor thrusts VALUE times what it should
+    kGnssLoss,     // the receiver has no fix
+    kGnssGlitch,   // the fix is VALUE metres off
+    kBaroLoss,     // the barometer measures nothing
+    kMissionLoss,  // the mission is gone
+    kRcLoss,       // the pilot's transmitter is not heard
+    kBatteryLow,   // at most VALUE is left of the battery, for good
+    kMotor1,       // the first rotor thrusts VALUE times what it should
     kMotor2,
     kMotor3,
     kMotor4,

@@ -12,8 +12,9 @@ void FlightWatch::see(const Plant& plant, bool motors_are_stopped) {
     } else if (!left_ground_us_) {
         left_ground_us_ = plant.time_us();
     }
-    if (!take_off_us_ && left_ground_us_ && start_z_ - z > kAirborneHeight) {
-        take_off_us_ = left_ground_us_;
+    if (left_ground_us_ && start_z_ - z > kAirborneHeight) {
+        if (!take_off_us_) take_off_us_ = left_ground_us_;
+        touchdown_.reset();  // a hop
     }
     sink_speed_ = plant.state().velocity_N.z();
 

@@ -2,13 +2,16 @@
 //
 // Exit status: 0 the run ended, whatever became of the vehicle; 1 a file could not be written
 // whole; 2 a wrong argument, or a file that cannot be opened.
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <thread>
 
 #include "board.hpp"
 #include "flight_facts.hpp"
+#include "mission_file.hpp"
 #include "options.hpp"
 
 namespace {
@@ -40,12 +43,29 @@ struct Run {
     return false;
 }
 
+// Not faster than real time times the speed. Only the host's clock waits; the flight is the same.
+void run_paced(const board::Options& options) {
+    constexpr std::uint64_t kSlice_us = 10'000;
+    const auto begin = std::chrono::steady_clock::now();
+    for (std::uint64_t now_us = 0; now_us < options.duration_us && !board::world().is_over();) {
+        now_us = std::min(now_us + kSlice_us, options.duration_us);
+        run_until(now_us);
+        const std::chrono::duration<double> due(static_cast<double>(now_us) * 1e-6 / options.speed);
+        std::this_thread::sleep_until(begin +
+                                      std::chrono::duration_cast<std::chrono::nanoseconds>(due));
+    }
+}
+
 Run run(const board::Options& options) {
     // The host's clock is for the report only; nothing that is logged may depend on it.
     const auto begin = std::chrono::steady_clock::now();
     start();
     if (options.random_times) use_random_times({options.conditions.seed, kMostRandomTime_us});
-    run_until(options.duration_us);
+    if (options.speed > 0.0) {
+        run_paced(options);
+    } else {
+        run_until(options.duration_us);
+    }
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
     Run result{.wall_s = wall.count()};
     for (unsigned i = 0; i < program.task_count; ++i) {
@@ -75,7 +95,9 @@ int main(int count, char** arguments) {
         return 2;
     }
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
-    board::prepare(options.conditions, truth);
+    Mission mission{};
+    if (options.mission != nullptr && !board::read_mission(options.mission, mission)) return 2;
+    board::prepare(options.conditions, options.mission != nullptr ? &mission : nullptr, truth);
     print(run(options));
     const bool log_written =
         close(options.log, board::log_storage.file, board::log_storage.errors == 0);

@@ -16,7 +16,8 @@ namespace stator::board {
 
 namespace {
 
-constexpr double kLongest_s = 1e6;   // 11 days
+constexpr double kLongest_s = 1e6;  // 11 days
+constexpr double kFastest = 1e4;
 constexpr double kStrongest = 50.0;  // m/s, a wind in which nothing flies
 
 bool refuse(const char* option, const char* value, const char* wanted) {
@@ -37,6 +38,11 @@ bool read_duration(const char* text, std::uint64_t& duration_us) {
     }
     duration_us = math::saturate<std::uint64_t>(math::round(seconds * 1e6));
     return true;
+}
+
+bool read_speed(const char* text, double& speed) {
+    if (read_number(text, speed) && speed > 0.0 && speed <= kFastest) return true;
+    return refuse("--speed", text, "a factor above 0 and at most 10000");
 }
 
 bool read_times(const char* text, bool& random_times) {
@@ -118,6 +124,8 @@ bool read_gusts(const char* text, Gusts& gusts) {
 bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--log") return read_path("--log", value, options.log);
     if (option == "--truth") return read_path("--truth", value, options.truth);
+    if (option == "--mission") return read_path("--mission", value, options.mission);
+    if (option == "--speed") return read_speed(value, options.speed);
     if (option == "--pilot") return read_pilot(value, options.conditions.pilot);
     if (option == "--seed") {
         return read_number(value, options.conditions.seed) ||
@@ -134,7 +142,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
                  "error: unknown argument '%s': known are --log FILE, --truth FILE, --seed N, "
                  "--duration SECONDS, --times zero|random, --vary no|yes, --wind M_S, "
                  "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
-                 "--pilot FILE\n",
+                 "--pilot FILE, --mission FILE, --speed FACTOR\n",
                  option.data());
     return false;
 }

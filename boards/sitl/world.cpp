@@ -30,9 +30,9 @@ World::World(const Conditions& conditions)
       wind_(conditions.wind, conditions.seed),
       imu_(vehicle_.imu, conditions.seed),
       mocap_(mocap_parameters_, conditions.seed),
-      magnetometer_(vehicle_.magnetometer, earth_, conditions.seed),
-      barometer_(vehicle_.barometer, earth_, conditions.seed),
-      gnss_(gnss_parameters_, earth_, conditions.seed),
+      magnetometer_(vehicle_.magnetometer, conditions.earth, conditions.seed),
+      barometer_(vehicle_.barometer, conditions.earth, conditions.seed),
+      gnss_(gnss_parameters_, conditions.earth, conditions.seed),
       watch_(plant_) {}
 
 World::Event World::move_to_next_event() {
@@ -46,7 +46,8 @@ World::Event World::move_to_next_event() {
     if (magnetometer_timer_.take(now_us)) {
         event.mag_B = magnetometer_.measure(plant_.state(), battery_.current());
     }
-    if (barometer_timer_.take(now_us)) event.baro = barometer_.measure(plant_);
+    const bool has_baro = !conditions_.faults.now(FaultKind::kBaroLoss, now_us);
+    if (barometer_timer_.take(now_us) && has_baro) event.baro = barometer_.measure(plant_);
     event.gnss = listen_to_satellites(now_us);
     if (radio_timer_.take(now_us)) event.radio = listen_to_pilot(now_us);
     influence_plant(now_us);
@@ -104,6 +105,10 @@ const World::RadioFrame& World::listen_to_pilot(std::uint64_t now_us) {
     radio_.is_heard = !conditions_.faults.now(FaultKind::kRcLoss, now_us);
     if (radio_.is_heard) radio_.hands = conditions_.pilot.frame(now_us);
     return radio_;
+}
+
+bool World::mission_is_lost() const {
+    return conditions_.faults.now(FaultKind::kMissionLoss, plant_.time_us()).has_value();
 }
 
 void World::command_motors(std::uint64_t now_us, const std::array<float, kRotors>& control) {

@@ -57,6 +57,7 @@ class World {
     const Plant& plant() const { return plant_; }
     const Battery& battery() const { return battery_; }
     const FlightWatch& watch() const { return watch_; }
+    bool mission_is_lost() const;
     bool is_over() const { return watch_.is_over(plant_.time_us()); }
 
   private:
@@ -70,7 +71,6 @@ class World {
     Vehicle vehicle_;
     MocapParameters mocap_parameters_{};
     GnssParameters gnss_parameters_{};
-    Earth earth_{};
     Plant plant_;
     Battery battery_{BatteryParameters{}};
     Wind wind_;

@@ -42,6 +42,12 @@ def emit(plan: Plan) -> dict[str, str]:
         files[f"{interface.name}_ports.hpp"] = _render(
             "ports.hpp.j2", _start(interface.file), interface=interface, ports=rows.ports(interface)
         )
+        if interface.failsafe is not None:
+            files["failsafe_table.hpp"] = _render(
+                "failsafe_table.hpp.j2",
+                _start(interface.failsafe.file),
+                **rows.failsafe(interface.failsafe),
+            )
     graph = _start(plan.graph.file)
     tasks = [emit_tasks.task(plan, task) for task in plan.tasks]
     topics = [rows.topic(plan, topic) for topic in plan.topics.values()]

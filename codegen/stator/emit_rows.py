@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from stator.check_parts import MODE_TOPIC
 from stator.library import HOME
-from stator.model import TYPES, Field, Interface, Message, Value
+from stator.model import TYPES, Failsafe, Field, Interface, Message, Value
 from stator.names import upper_camel
 
 if TYPE_CHECKING:
@@ -320,6 +320,16 @@ def _chip_folder(plan: Plan) -> Path:
     """Where the code lies that all boards with such a chip share."""
     assert plan.board.chip is not None
     return plan.board.file.parents[1] / plan.board.chip.name.split("/")[0]
+
+
+def failsafe(table: Failsafe) -> Row:
+    return {
+        "events": [upper_camel(event) for event in table.events],
+        "rows": [
+            {"mode": upper_camel(mode), "nexts": [upper_camel(following) for following in row]}
+            for mode, row in zip(table.modes, table.rows, strict=True)
+        ],
+    }
 
 
 def build(plan: Plan, files: dict[str, str]) -> Row:

@@ -25,7 +25,14 @@ MOST_LANDED_TILT_DEG = 20.0
 # graph/messages/VehicleStatus.yaml
 DISARMED = 1
 HOLD = 4
-NAV_STATES = {0: "manual", HOLD: "hold", 17: "take-off", 18: "landing"}
+NAV_STATES = {
+    0: "manual", 1: "altitude", 2: "position", 3: "mission", HOLD: "hold", 5: "return",
+    12: "descend", 13: "termination", 15: "stabilized", 17: "take-off", 18: "landing",
+}  # fmt: skip
+FAILSAFE_EVENTS = {
+    1: "estimator_invalid", 2: "position_lost", 3: "geofence", 4: "battery_critical", 5: "rc_lost",
+    6: "mission_lost", 7: "battery_low",
+}  # fmt: skip
 
 
 class UnreadableFlight(Exception):
@@ -133,13 +140,13 @@ def judge(flight: Flight) -> Judgement:
     if not np.isfinite(flight.truth.position).all():
         return Judgement(None, None, ["the simulated vehicle left the range of numbers"])
     if flight.take_off_s is None:
-        return Judgement(None, None, [f"never took off: {_ending(flight)}"])
+        return Judgement(None, None, [f"never took off: {ending(flight)}"])
     hover = _hover(flight)
     tilt = _tilt(flight)
     problems = [
         *_hover_problems(hover),
         *_tilt_problems(tilt),
-        *_landing_problems(flight),
+        *landing_problems(flight, MOST_TOUCHDOWN_M_S),
     ]
     return Judgement(hover, tilt, problems)
 
@@ -150,10 +157,10 @@ def judge(flight: Flight) -> Judgement:
 def _hover(flight: Flight) -> Hover | None:
     """How far the true position was from the setpoint while the vehicle flew in hold."""
     time = flight.truth.time_s
-    nav_state = _newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
-    setpoint = _newest(flight.setpoint_time_s, flight.setpoint, time)
+    nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
+    setpoint = newest(flight.setpoint_time_s, flight.setpoint, time)
     error = np.linalg.norm(np.nan_to_num(flight.truth.position - setpoint), axis=1)
-    rows = np.flatnonzero((nav_state == HOLD) & _in_flight(flight, time))
+    rows = np.flatnonzero((nav_state == HOLD) & in_flight(flight, time))
     if rows.size < 2:
         return None
     worst = rows[np.argmax(error[rows])]
@@ -161,7 +168,7 @@ def _hover(flight: Flight) -> Hover | None:
         seconds=float(time[rows[-1]] - time[rows[0]]),
         height_m=-float(np.mean(flight.truth.position[rows, 2])),
         max_error_m=float(error[worst]),
-        rms_error_m=_rms(error[rows]),
+        rms_error_m=rms(error[rows]),
         worst_s=float(time[worst]),
         worst_position=flight.truth.position[worst],
     )
@@ -183,7 +190,7 @@ def _hover_problems(hover: Hover | None) -> list[str]:
 
 def _tilt(flight: Flight) -> Tilt | None:
     """Angle between the true and the estimated vertical in B; heading does not count."""
-    rows = _in_flight(flight, flight.attitude_time_s)
+    rows = in_flight(flight, flight.attitude_time_s)
     time = flight.attitude_time_s[rows]
     if time.size == 0:
         return None
@@ -192,7 +199,7 @@ def _tilt(flight: Flight) -> Tilt | None:
     sine = np.linalg.norm(np.cross(true_down, down), axis=1)
     error_deg = np.degrees(np.arctan2(sine, np.sum(true_down * down, axis=1)))
     worst = int(np.argmax(error_deg))
-    return Tilt(_rms(error_deg), float(error_deg[worst]), float(time[worst]))
+    return Tilt(rms(error_deg), float(error_deg[worst]), float(time[worst]))
 
 
 def _tilt_problems(tilt: Tilt | None) -> list[str]:
@@ -225,17 +232,17 @@ def _down_in_body(q: Floats) -> Floats:
 # --- landing ---
 
 
-def _landing_problems(flight: Flight) -> list[str]:
+def landing_problems(flight: Flight, most_m_s: float) -> list[str]:
     if not flight.landed or flight.touchdown_m_s is None:
-        return [f"not landed and disarmed: {_ending(flight)}"]
+        return [f"not landed and disarmed: {ending(flight)}"]
     problems = []
-    if flight.touchdown_m_s >= MOST_TOUCHDOWN_M_S:
+    if flight.touchdown_m_s >= most_m_s:
         problems.append(
             f"touchdown: {flight.touchdown_m_s:.2f} m/s down at {flight.touchdown_s:.2f} s "
-            f"(limit {MOST_TOUCHDOWN_M_S:g} m/s)"
+            f"(limit {most_m_s:g} m/s)"
         )
     if not flight.truth.on_ground[-1]:
-        problems.append(f"the motors stopped in the air: {_ending(flight)}")
+        problems.append(f"the motors stopped in the air: {ending(flight)}")
     tilt_deg = math.degrees(math.acos(np.clip(_down_in_body(flight.truth.q[-1:])[0, 2], -1, 1)))
     if tilt_deg > MOST_LANDED_TILT_DEG:
         problems.append(
@@ -246,7 +253,7 @@ def _landing_problems(flight: Flight) -> list[str]:
     return problems
 
 
-def _ending(flight: Flight) -> str:
+def ending(flight: Flight) -> str:
     """Where the flight was when it ended."""
     state = int(flight.nav_state[-1]) if flight.nav_state.size else -1
     return (
@@ -284,7 +291,7 @@ def _number(run: dict[str, object], key: str) -> float | None:
     return float(value) if isinstance(value, int | float) else None
 
 
-def _newest(times: Floats, values: Floats, at: Floats) -> Floats:
+def newest(times: Floats, values: Floats, at: Floats) -> Floats:
     """The newest of `values` at each time `at`; not a number before the first."""
     index = np.searchsorted(times, at, side="right") - 1
     found = np.full((at.size, *values.shape[1:]), np.nan)
@@ -292,14 +299,14 @@ def _newest(times: Floats, values: Floats, at: Floats) -> Floats:
     return found
 
 
-def _in_flight(flight: Flight, time_s: Floats) -> NDArray[np.bool_]:
+def in_flight(flight: Flight, time_s: Floats) -> NDArray[np.bool_]:
     begin = math.inf if flight.take_off_s is None else flight.take_off_s
     end = math.inf if flight.touchdown_s is None else flight.touchdown_s
     rows: NDArray[np.bool_] = (time_s >= begin) & (time_s < end)
     return rows
 
 
-def _rms(values: Floats) -> float:
+def rms(values: Floats) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 

@@ -9,6 +9,7 @@ import json
 import signal
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,14 +17,18 @@ from stator.build import PREEMPTION, build
 from stator.cli import path
 from stator.diagnostics import UserError, shown_path
 from stator.library import HOME
+from stator.mission import packed, read_mission
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from stator.flight import Judgement
+    from stator.mission import Mission
 
 MOST_SEED = 2**64 - 1
 MOST_DURATION_S = 1e6
+MOST_SPEED = 1e4
+USUAL_DURATION_S = 120.0
 MOST_WIND_M_S = 50.0
 MOST_DEGREES = 360.0
 
@@ -36,6 +41,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="zero",
         help="let activations take time, so that others preempt them (default: zero)",
     )
+    parser.add_argument(
+        "--mission",
+        type=path,
+        metavar="FILE",
+        help="what to fly: YAML, or a ground station's .plan (docs/missions.md); "
+        "without GRAPH flies graph/quad_outdoor.yaml",
+    )
+    parser.add_argument(
+        "--speed",
+        type=speed_of,
+        metavar="FACTOR",
+        help="at most so many times real time; 1 is real time (default: as fast as it goes)",
+    )
+    parser.set_defaults(graph=None, duration=None)
 
 
 def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str) -> None:
@@ -78,7 +97,8 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         default=[],
         metavar="WHAT@S[+S]",
         help="what fails, from when on, and for how long: gnss_loss, gnss_glitch[=METRES], "
-        "rc_loss, battery_low[=0..1], motor_1 to motor_4[=0..1]; may be given several times",
+        "baro_loss, mission_loss, rc_loss, battery_low[=0..1], motor_1 to motor_4[=0..1]; may be "
+        "given several times",
     )
     parser.add_argument(
         "--pilot",
@@ -87,7 +107,10 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         help="script of sticks and switches (docs/simulation.md)",
     )
     parser.add_argument(
-        "--duration", type=duration_of, default=120.0, help="most seconds of flight (default: 120)"
+        "--duration",
+        type=duration_of,
+        default=USUAL_DURATION_S,
+        help="most seconds of flight (default: 120, or what a mission may need)",
     )
     parser.add_argument("-o", "--output", type=path, metavar="LOG", help="where to keep the log")
     parser.add_argument("--json", action="store_true", help="print what programs read")
@@ -102,6 +125,13 @@ def flight_options(arguments: argparse.Namespace) -> list[str]:
     if arguments.pilot is not None:
         options += ["--pilot", str(arguments.pilot.resolve())]
     return options
+
+
+def speed_of(text: str) -> float:
+    with contextlib.suppress(ValueError):
+        if 0.0 < float(text) <= MOST_SPEED:
+            return float(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is no factor above 0, at most {MOST_SPEED:.0f}")
 
 
 def seed_of(text: str) -> int:
@@ -134,20 +164,24 @@ def duration_of(text: str) -> float:
 
 def main(arguments: argparse.Namespace) -> int:
     """0: a successful flight. 1: a failed one, or one that could not be judged. 2: no flight."""
-    log = arguments.output or default_log(arguments.graph, arguments.seed)
-    truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     try:
+        mission = None if arguments.mission is None else read_mission(arguments.mission)
+        complete(arguments, mission)
         variant = PREEMPTION if arguments.times == "random" else None
         program = build(arguments.graph, arguments.board, variant, executor="virtual")
     except UserError as failed:
         print(failed, file=sys.stderr)
         return 2
+    kind = f"-{arguments.mission.stem}" if mission else ""
+    log = arguments.output or default_log(arguments.graph, arguments.seed, kind)
+    truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     with progress(f"flying {arguments.graph.stem}, seed {arguments.seed} ..."):
-        finished = _run(program, log, truth, arguments)
+        finished = _run(program, log, truth, arguments, mission)
         if finished.returncode > 0:
             print(finished.stderr.rstrip(), file=sys.stderr)
             return 2
-        facts = facts_of(finished, log, truth)
+        facts = facts_of(finished, log, truth, mission)
+    facts |= {"mission": arguments.mission.stem if arguments.mission else None}
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     keep(facts)
     if arguments.json:
@@ -162,6 +196,15 @@ def keep(facts: dict[str, object]) -> None:
     log = Path(str(facts["log"]))
     report = json.dumps(facts, indent=2) + "\n"
     log.with_name(f"{log.name.removesuffix('.ulg')}.json").write_text(report, encoding="utf-8")
+
+
+def complete(arguments: argparse.Namespace, mission: Mission | None) -> None:
+    """What the user left out."""
+    if arguments.graph is None:
+        name = "quad.yaml" if mission is None else "quad_outdoor.yaml"
+        arguments.graph = HOME / "graph" / name
+    if arguments.duration is None:
+        arguments.duration = max(USUAL_DURATION_S, mission.seconds if mission else 0.0)
 
 
 def default_log(graph: Path, seed: int, kind: str = "") -> Path:
@@ -183,15 +226,32 @@ def progress(text: str) -> Iterator[None]:
 
 
 def _run(
-    program: Path, log: Path, truth: Path, arguments: argparse.Namespace
+    program: Path,
+    log: Path,
+    truth: Path,
+    arguments: argparse.Namespace,
+    mission: Mission | None,
 ) -> subprocess.CompletedProcess[str]:
     command = [str(program), "--log", str(log), "--truth", str(truth)]
     command += [*flight_options(arguments), "--times", arguments.times]
-    return subprocess.run(command, check=False, capture_output=True, text=True)
+    if arguments.speed is not None:
+        command += ["--speed", f"{arguments.speed:.6f}"]
+    if mission is None:
+        return subprocess.run(command, check=False, capture_output=True, text=True)
+    with tempfile.NamedTemporaryFile(suffix=".mission") as file:
+        file.write(packed(mission))
+        file.flush()
+        command += ["--mission", file.name]
+        return subprocess.run(command, check=False, capture_output=True, text=True)
 
 
 def facts_of(
-    finished: subprocess.CompletedProcess[str], log: Path, truth: Path, *, judges: bool = True
+    finished: subprocess.CompletedProcess[str],
+    log: Path,
+    truth: Path,
+    mission: Mission | None = None,
+    *,
+    judges: bool = True,
 ) -> dict[str, object]:
     """What `--json` prints. A fact that there is none of is None."""
     facts: dict[str, object] = {
@@ -223,29 +283,40 @@ def facts_of(
     facts |= {key: value for key, value in run.items() if key in facts}
     if not judges:
         return facts | {"success": True, "reason": "ran to its end"}
-    return facts | _judged(log, truth, run)
+    return facts | _judged(log, truth, run, mission)
 
 
-def _judged(log: Path, truth: Path, run: dict[str, object]) -> dict[str, object]:
+def _judged(
+    log: Path, truth: Path, run: dict[str, object], mission: Mission | None
+) -> dict[str, object]:
     from pyulog import ULog
 
     from stator.flight import UnreadableFlight, judge, read_flight, read_truth
+    from stator.mission_flight import judge_mission
 
     if log.stat().st_size == 0:
         return {"reason": "the log is empty, so the flight cannot be judged"}
     try:
-        judgement = judge(read_flight(ULog(str(log)), read_truth(truth), run))
+        ulog = ULog(str(log))
+        flight = read_flight(ulog, read_truth(truth), run)
+        if mission is not None:
+            flown = judge_mission(ulog, flight, mission)
+            return flown.facts | _verdict(flown.problems)
+        judgement = judge(flight)
     except UnreadableFlight as unreadable:
         return {"reason": str(unreadable)}
     return _judgement_facts(judgement)
 
 
-def _judgement_facts(judgement: Judgement) -> dict[str, object]:
-    problems = judgement.problems
-    facts: dict[str, object] = {
+def _verdict(problems: list[str]) -> dict[str, object]:
+    return {
         "success": not problems,
         "reason": "; ".join(problems) or "landed and disarmed, within all limits",
     }
+
+
+def _judgement_facts(judgement: Judgement) -> dict[str, object]:
+    facts = _verdict(judgement.problems)
     if judgement.hover is not None:
         facts |= {
             "max_error_m": judgement.hover.max_error_m,
@@ -291,7 +362,7 @@ def show(facts: dict[str, object], more: list[tuple[str, str]]) -> None:
 def flight_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     from stator.flight import MOST_ERROR_M, MOST_TILT_ERROR_DEG, MOST_TOUCHDOWN_M_S
 
-    rows = []
+    rows = _mission_rows(facts) if facts.get("mission") else []
     if facts["take_off_s"] is not None:
         rows.append(("take-off", f"at {facts['take_off_s']:.2f} s"))
     if facts["max_error_m"] is not None:
@@ -303,7 +374,31 @@ def flight_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         rows.append(("tilt", f"{error} (limit {MOST_TILT_ERROR_DEG:g} deg)"))
     if facts["touchdown_m_s"] is not None:
         when = f"at {facts['touchdown_s']:.2f} s with {facts['touchdown_m_s']:.2f} m/s"
-        rows.append(("touchdown", f"{when} (limit {MOST_TOUCHDOWN_M_S:g} m/s)"))
+        limit = "" if facts.get("mission") else f" (limit {MOST_TOUCHDOWN_M_S:g} m/s)"
+        rows.append(("touchdown", when + limit))
+    return rows
+
+
+MEASURED = {
+    "corridor_m": "off the straight way at most",
+    "landing_error_m": "from home at the landing",
+    "hold_horizontal_rms_m": "horizontal RMS while staying",
+    "hold_vertical_rms_m": "vertical RMS while staying",
+    "tracking_rms_m": "RMS between estimate and setpoint",
+}
+
+
+def _mission_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
+    rows = [("mission", f"{facts['items_reached']} of {facts['items_total']} items reached")]
+    modes = facts["modes"]
+    assert isinstance(modes, list)
+    for mode in modes:
+        why = f" because of {mode['failsafe']}" if mode["failsafe"] else ""
+        state = mode["mode"] if mode["armed"] else "disarmed"
+        rows.append(("modes", f"{state} from {mode['time_s']:.2f} s{why}"))
+    for key, text in MEASURED.items():
+        if facts.get(key) is not None:
+            rows.append(("measured", f"{facts[key]:.2f} m {text}"))
     return rows
 
 

@@ -220,6 +220,10 @@ INTERFACE = Struct(
         "inputs": Key(Table(INPUT_PORT, "an input"), "Input ports."),
         "outputs": Key(Table(OUTPUT_PORT, "an output"), "Output ports."),
         "params": Key(Table(PARAM, "a parameter"), "Parameters."),
+        "failsafe": Key(
+            Text(rf"{NAME_PATTERN}\.yaml", "a YAML file beside this one"),
+            "The file of a failsafe table, which becomes failsafe_table.hpp.",
+        ),
         "reads_log": Key(Boolean(), "The node reads every logged topic through a generated table."),
     }
 )

@@ -78,6 +78,16 @@ class Param:
 
 
 @dataclass(frozen=True)
+class Failsafe:
+    """Which flight mode follows which, at which event: see failsafe.py."""
+
+    file: Path
+    modes: tuple[str, ...]
+    events: tuple[str, ...]  # most urgent first
+    rows: tuple[tuple[str, ...], ...]  # of each mode, what each event makes of it
+
+
+@dataclass(frozen=True)
 class Interface:
     """The ports of an app or of a device class."""
 
@@ -89,6 +99,7 @@ class Interface:
     outputs: dict[str, Port]
     params: dict[str, Param]
     reads_log: bool
+    failsafe: Failsafe | None
     params_message: Message | None
 
     @property

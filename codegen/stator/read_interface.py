@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from stator import language
 from stator.diagnostics import Mark
-from stator.model import Field, Interface, Message, Param, Port
+from stator.failsafe import STATUS, read_failsafe
+from stator.model import Failsafe, Field, Interface, Message, Param, Port
 from stator.names import upper_camel
 from stator.read_message import pad
 from stator.read_value import read_value
@@ -40,6 +41,7 @@ def read_interface(library: Library, name: str, path: Path, *, is_app: bool) -> 
         for key, value in items(record, "params")
         if (param := _param(key, value, report)) is not None
     }
+    failsafe = _failsafe(library, record, path)
     if len(report) > count or any(
         key in record.keys and record.get(key) is None
         for key in ("lines", "inputs", "outputs", "params")
@@ -54,8 +56,17 @@ def read_interface(library: Library, name: str, path: Path, *, is_app: bool) -> 
         outputs=outputs,
         params=params,
         reads_log=record.value("reads_log", False),
+        failsafe=failsafe,
         params_message=params_message(name, params, Mark(path, 1, 1)),
     )
+
+
+def _failsafe(library: Library, record: Record, path: Path) -> Failsafe | None:
+    leaf = record.get("failsafe")
+    status = None if leaf is None else library.message(STATUS, leaf.mark)
+    if leaf is None or status is None:
+        return None
+    return read_failsafe(library, path.parent / leaf.value, status)
 
 
 def _ports(library: Library, record: Record, key: str) -> dict[str, Port]:

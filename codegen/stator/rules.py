@@ -64,6 +64,10 @@ RULES = {
     "param-range": "a parameter outside its range",
     "log-many": "more than one logger",
     "log-large": "a message too large for a block of the log",
+    # failsafe tables
+    "failsafe-total": "a failsafe table that leaves a mode or an event out, or knows others",
+    "failsafe-circle": "a failsafe table that leads back to a mode it has left",
+    "failsafe-needs": "a failsafe table that ends in a mode which lacks what it needs",
     # triggers
     "trigger-kind": "a trigger is one of irq, topic, every",
     "trigger-not-input": "a topic trigger that is none of the node's inputs",

@@ -1,0 +1,201 @@
+// Arming, flight modes, failsafes.
+#include "commander.hpp"
+
+namespace stator {
+
+namespace {
+
+using Nav = VehicleStatus::NavState;
+using Switch = ManualControlSwitches;
+
+constexpr float kShortestStep = 1e-3F;
+constexpr float kLongestStep = 1.0F;
+constexpr float kLowThrottle = -0.9F;
+
+bool knows_height(const CommanderPorts& ports) {
+    return ports.position && ports.position->z_valid && ports.position->v_z_valid &&
+           math::is_finite(ports.position->z + ports.position->vz);
+}
+
+bool knows_position(const CommanderPorts& ports) {
+    return ports.position && ports.position->xy_valid && ports.position->v_xy_valid &&
+           math::is_finite(ports.position->x + ports.position->y + ports.position->heading);
+}
+
+bool hears_pilot(const CommanderPorts& ports) {
+    return ports.sticks && ports.sticks->valid;
+}
+
+bool is_flown_by_hand(Nav mode) {
+    return mode == Nav::kManual || mode == Nav::kStabilized || mode == Nav::kAltitude;
+}
+
+int32_t mode_of_slot(const CommanderParams& params, unsigned slot) {
+    const std::array<int32_t, 6> modes{params.mode1, params.mode2, params.mode3,
+                                       params.mode4, params.mode5, params.mode6};
+    return slot >= 1 && slot <= modes.size() ? modes[slot - 1] : static_cast<int32_t>(Nav::kHold);
+}
+
+}  // namespace
+
+float Commander::seconds_since_last(uint64_t now_us) {
+    const auto elapsed_us = static_cast<int32_t>(now_us - last_us_);
+    last_us_ = now_us;
+    return math::clamp(static_cast<float>(elapsed_us) * 1e-6F, kShortestStep, kLongestStep);
+}
+
+void Commander::take_health(const CommanderPorts& ports, float dt) {
+    using Warning = BatteryStatus::Warning;
+    HealthReport& h = health_;
+    h.sensors_ok = ports.gyro && ports.mag && ports.baro && ports.gnss;
+    h.estimator_ok = estimate_holds_.update(knows_height(ports) && knows_position(ports), dt,
+                                            ports.params->settle_time);
+    h.battery_ok =
+        ports.battery && ports.battery->connected && ports.battery->warning == Warning::kNone;
+    h.rc_ok = hears_pilot(ports);
+    h.logging_ok = static_cast<bool>(ports.log);
+    h.mission_ok = wish_ != Nav::kMission || (ports.result && ports.result->valid);
+    h.can_arm =
+        h.sensors_ok && h.estimator_ok && h.battery_ok && h.rc_ok && h.logging_ok && h.mission_ok;
+}
+
+bool Commander::is_outside_fence(const CommanderPorts& ports) const {
+    if (!is_armed_ || !knows_height(ports) || !knows_position(ports)) return false;
+    const VehicleLocalPosition& p = *ports.position;
+    float radius = ports.params->fence_radius;
+    float height = ports.params->fence_height;
+    if (ports.mission && ports.mission->fence_radius > 0.0F) radius = ports.mission->fence_radius;
+    if (ports.mission && ports.mission->fence_height > 0.0F) height = ports.mission->fence_height;
+    const float away = math::sqrt(math::square(p.x - home_.x) + math::square(p.y - home_.y));
+    return (radius > 0.0F && away > radius) || (height > 0.0F && home_.z - p.z > height);
+}
+
+void Commander::take_events(const CommanderPorts& ports, float dt) {
+    using Warning = BatteryStatus::Warning;
+    const CommanderParams& params = *ports.params;
+    const bool battery_known = ports.battery && ports.battery->connected;
+    const Warning warning = battery_known ? ports.battery->warning : Warning::kNone;
+    const auto set = [this](FailsafeEvent event, bool is_on) {
+        events_ = is_on ? events_ | bit(event) : events_ & ~bit(event);
+    };
+    set(FailsafeEvent::kEstimatorInvalid,
+        height_is_gone_.update(!knows_height(ports), dt, params.position_timeout));
+    set(FailsafeEvent::kPositionLost,
+        position_is_gone_.update(!knows_position(ports), dt, params.position_timeout));
+    set(FailsafeEvent::kRcLost, pilot_is_gone_.update(!hears_pilot(ports), dt, params.rc_timeout));
+    set(FailsafeEvent::kGeofence, is_outside_fence(ports));
+    set(FailsafeEvent::kMissionLost, !ports.result || !ports.result->valid);
+    // A battery does not recover: a load that goes makes it look better for a while.
+    const bool is_critical = warning >= Warning::kCritical && warning <= Warning::kFailed;
+    if (is_critical) set(FailsafeEvent::kBatteryCritical, true);
+    if (warning == Warning::kLow || is_critical) set(FailsafeEvent::kBatteryLow, true);
+}
+
+void Commander::choose(Nav mode) {
+    if (!goes_on(mode, events_)) return;
+    mode_ = mode;
+    failsafe_ = VehicleStatus::FailsafeEvent::kNone;
+}
+
+void Commander::arm(const CommanderPorts& ports) {
+    is_armed_ = true;
+    has_flown_ = false;
+    events_ &= ~(bit(FailsafeEvent::kBatteryCritical) | bit(FailsafeEvent::kBatteryLow));
+    failsafe_ = VehicleStatus::FailsafeEvent::kNone;
+    const VehicleLocalPosition& p = *ports.position;
+    home_ = {.x = p.x, .y = p.y, .z = p.z, .yaw = p.heading, .valid_lpos = true};
+    stands_.reset();
+    idles_.reset();
+    descends_.reset();
+}
+
+void Commander::disarm() {
+    is_armed_ = false;
+}
+
+// The pilot's switches. One that is not heard wishes nothing.
+void Commander::take_wish(const CommanderPorts& ports, float dt) {
+    if (!ports.switches || !hears_pilot(ports)) return;
+    const Switch& s = *ports.switches;
+    const bool return_is_on = s.return_switch == Switch::ReturnSwitch::kOn;
+    const bool moved = s.mode_slot != mode_slot_ || (return_was_on_ && !return_is_on);
+    mode_slot_ = s.mode_slot;
+    wish_ = static_cast<Nav>(mode_of_slot(*ports.params, s.mode_slot));
+    if (moved && !return_is_on) choose(wish_);
+    if (return_is_on && !return_was_on_) choose(Nav::kReturn);
+    return_was_on_ = return_is_on;
+    take_arm_switch(ports, dt);
+    const bool kills = s.kill_switch == Switch::KillSwitch::kOn;
+    if (kill_holds_.update(kills, dt, ports.params->kill_time) && is_armed_) {
+        mode_ = Nav::kTermination;
+        disarm();
+    }
+}
+
+// The switch counts when it goes on, and for `arming_wait` while checks still fail.
+void Commander::take_arm_switch(const CommanderPorts& ports, float dt) {
+    const bool is_on = ports.switches->arm_switch == Switch::ArmSwitch::kOn;
+    const bool may_disarm = ports.land && ports.land->landed;
+    if (is_on && !arm_switch_was_on_) arming_left_s_ = ports.params->arming_wait + dt;
+    if (!is_on) arming_left_s_ = 0.0F;
+    if (!is_on && arm_switch_was_on_ && is_armed_ && may_disarm) disarm();
+    arm_switch_was_on_ = is_on;
+    if (arming_left_s_ <= 0.0F || is_armed_) return;
+    arming_left_s_ -= dt;
+    const bool throttle_is_safe = !is_flown_by_hand(wish_) || ports.sticks->throttle < kLowThrottle;
+    if (!health_.can_arm || !throttle_is_safe) return;
+    arming_left_s_ = 0.0F;
+    arm(ports);
+    choose(wish_);
+}
+
+void Commander::fly(const CommanderPorts& ports, float dt) {
+    if (ports.land && !ports.land->landed) has_flown_ = true;
+    const bool is_over = ports.result && ports.result->finished &&
+                         ports.result->nav_state == static_cast<uint8_t>(mode_);
+    if (is_over) {
+        const auto reason = failsafe_;  // a return that was forced ends in a landing that was, too
+        choose(static_cast<Nav>(ports.result->next_nav_state));
+        failsafe_ = reason;
+    }
+    const Fallback fallback = fall_back(mode_, events_);
+    if (fallback.reason != VehicleStatus::FailsafeEvent::kNone) {
+        mode_ = fallback.mode;
+        failsafe_ = fallback.reason;
+    }
+    disarm_where_due(ports, dt);
+}
+
+void Commander::disarm_where_due(const CommanderPorts& ports, float dt) {
+    const CommanderParams& params = *ports.params;
+    const bool landed = ports.land && ports.land->landed;
+    const bool comes_down = mode_ == Nav::kLand || mode_ == Nav::kDescend;
+    const bool has_landed =
+        stands_.update(landed && has_flown_ && comes_down, dt, params.disarm_after);
+    const bool waits_in_vain = idles_.update(landed, dt, params.idle_limit);
+    const bool is_down_by_now = descends_.update(mode_ == Nav::kDescend, dt, params.blind_limit);
+    // Before the take-off a failsafe has nothing to save.
+    const bool not_worth_starting =
+        landed && !has_flown_ && failsafe_ != VehicleStatus::FailsafeEvent::kNone;
+    if (has_landed || waits_in_vain || is_down_by_now || not_worth_starting) disarm();
+}
+
+void Commander::step(CommanderPorts& ports) {
+    const float dt = seconds_since_last(ports.now);
+    take_health(ports, dt);
+    take_events(ports, dt);
+    take_wish(ports, dt);
+    if (is_armed_) fly(ports, dt);
+    using Arming = VehicleStatus::ArmingState;
+    // First home, then the status that starts what needs it.
+    ports.home.publish([&] { return home_; });
+    ports.health.publish([&] { return health_; });
+    ports.status.publish([&] {
+        return VehicleStatus{.arming_state = is_armed_ ? Arming::kArmed : Arming::kDisarmed,
+                             .nav_state = mode_,
+                             .failsafe = failsafe_ != VehicleStatus::FailsafeEvent::kNone,
+                             .failsafe_event = failsafe_};
+    });
+}
+
+}  // namespace stator

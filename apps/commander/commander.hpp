@@ -1,0 +1,59 @@
+// Decides what the vehicle does: arms, disarms, and chooses the flight mode.
+#pragma once
+
+#include <cstdint>
+
+#include "commander_ports.hpp"
+#include "failsafe.hpp"
+#include "lasting.hpp"
+
+namespace stator {
+
+// Runs at a fixed period. An input that is absent counts against arming, and in flight as lost. A
+// mode switch counts when it moves, and only if the failsafe table lets that mode go on. After a
+// failsafe nothing returns by itself to the mode before.
+class Commander {
+  public:
+    void step(CommanderPorts& ports);
+
+  private:
+    using Nav = VehicleStatus::NavState;
+
+    float seconds_since_last(uint64_t now_us);
+    void take_health(const CommanderPorts& ports, float dt);
+    void take_events(const CommanderPorts& ports, float dt);
+    bool is_outside_fence(const CommanderPorts& ports) const;
+    void take_wish(const CommanderPorts& ports, float dt);
+    void take_arm_switch(const CommanderPorts& ports, float dt);
+    void fly(const CommanderPorts& ports, float dt);
+    void arm(const CommanderPorts& ports);
+    void disarm();
+    void choose(Nav mode);
+    void disarm_where_due(const CommanderPorts& ports, float dt);
+
+    HealthReport health_{};
+    Lasting estimate_holds_;
+    Lasting height_is_gone_;
+    Lasting position_is_gone_;
+    Lasting pilot_is_gone_;
+    Events events_ = 0;
+
+    bool is_armed_ = false;
+    bool has_flown_ = false;  // since it was armed last
+    Nav mode_ = Nav::kHold;
+    Nav wish_ = Nav::kHold;  // of the mode switch
+    VehicleStatus::FailsafeEvent failsafe_ = VehicleStatus::FailsafeEvent::kNone;
+    HomePosition home_{};
+
+    bool arm_switch_was_on_ = true;  // one that is on from the start must go off first
+    float arming_left_s_ = 0.0F;
+    uint8_t mode_slot_ = 0;
+    bool return_was_on_ = false;
+    Lasting kill_holds_;
+    Lasting stands_;
+    Lasting idles_;
+    Lasting descends_;
+    uint64_t last_us_ = 0;
+};
+
+}  // namespace stator

@@ -1,0 +1,36 @@
+// What the failsafe table says about a mode while events last.
+#pragma once
+
+#include <cstdint>
+
+#include "failsafe_table.hpp"
+
+namespace stator {
+
+// A bit per event, as in FailsafeEvent.
+using Events = uint32_t;
+
+constexpr Events bit(FailsafeEvent event) {
+    return Events{1} << static_cast<unsigned>(event);
+}
+
+struct Fallback {
+    VehicleStatus::NavState mode;
+    VehicleStatus::FailsafeEvent reason;  // none: the mode goes on
+};
+
+// One step down: by the most urgent of the events that does not go on.
+constexpr Fallback fall_back(VehicleStatus::NavState mode, Events events) {
+    for (unsigned event = 0; event < kFailsafeEvents; ++event) {
+        if ((events >> event & 1U) == 0) continue;
+        const VehicleStatus::NavState next = after(mode, static_cast<FailsafeEvent>(event));
+        if (next != mode) return {next, static_cast<VehicleStatus::FailsafeEvent>(event + 1)};
+    }
+    return {mode, VehicleStatus::FailsafeEvent::kNone};
+}
+
+constexpr bool goes_on(VehicleStatus::NavState mode, Events events) {
+    return fall_back(mode, events).reason == VehicleStatus::FailsafeEvent::kNone;
+}
+
+}  // namespace stator

@@ -1,0 +1,44 @@
+// Smooth motion: between the navigator's goals, or the pilot's sticks, and position_control.
+#pragma once
+
+#include <cstdint>
+
+#include "motion_plan.hpp"
+#include "trajectory_ports.hpp"
+
+namespace stator {
+
+// Runs at a fixed period. While disarmed, and in modes that do without it, it follows the estimate
+// and leaves every component of the setpoint free. Another goal begins where the setpoint is, so
+// that it never jumps. Descending without a position, it sinks level.
+class Trajectory {
+  public:
+    void step(TrajectoryPorts& ports);
+
+  private:
+    enum class Task { kFollow, kGoal, kSpeeds, kHeightOnly, kSink };
+
+    float seconds_since_last(uint64_t now_us);
+    static Task task_of(const TrajectoryPorts& ports);
+    void follow_estimate(const TrajectoryPorts& ports);
+    void take_goal(const GotoSetpoint& goal, const TrajectoryParams& params);
+    Leg leg_to(const GotoSetpoint& goal, const math::Vector3<float>& rest) const;
+    void advance_goal(const TrajectoryPorts& ports, float dt);
+    void advance_speeds(const TrajectoryPorts& ports, float dt);
+    void turn(float heading, const TrajectoryParams& params, float dt);
+    TrajectorySetpoint setpoint(const TrajectoryPorts& ports) const;
+
+    Task task_ = Task::kFollow;
+    PathState state_;
+    MotionPlan plan_;
+    float plan_time_ = 0.0F;
+    float pace_ = 1.0F;  // of plan time against time
+    bool has_goal_ = false;
+    uint32_t goal_number_ = 0;
+    float heading_ = 0.0F;  // wanted
+    float yaw_rate_ = 0.0F;
+    TrajectoryParams limits_{};
+    uint64_t last_us_ = 0;
+};
+
+}  // namespace stator

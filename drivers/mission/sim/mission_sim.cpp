@@ -1,0 +1,12 @@
+// The mission of a simulated board.
+#include "mission_sim.hpp"
+
+namespace stator {
+
+void MissionSim::step(MissionPorts& ports) {
+    if (device_.version == published_) return;
+    published_ = device_.version;
+    ports.mission.publish([&] { return device_.mission; });
+}
+
+}  // namespace stator

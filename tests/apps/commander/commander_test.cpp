@@ -1,0 +1,458 @@
+// The commander: each arming check both ways, what the pilot may choose, each failsafe event, and
+// when it disarms.
+#include "commander.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "stator/testing.hpp"
+
+namespace stator {
+namespace {
+
+using Nav = VehicleStatus::NavState;
+using Event = VehicleStatus::FailsafeEvent;
+using Warning = BatteryStatus::Warning;
+
+class CommanderTest : public ::testing::Test {
+  protected:
+    CommanderTest() {
+        position_.xy_valid = position_.z_valid = true;
+        position_.v_xy_valid = position_.v_z_valid = true;
+        position_.x = 3.0F;
+        land_.landed = true;
+        result_.valid = true;
+        sticks_.valid = true;
+        switches_.mode_slot = 4;  // hold
+        switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
+        battery_.connected = true;
+    }
+
+    void step() {
+        now_us_ += 20'000;
+        CommanderPorts ports{
+            .now = now_us_,
+            .position = Input(position_),
+            .land = Input(land_),
+            .result = Input(result_),
+            .mission = Input(mission_),
+            .sticks = has_sticks_ ? Input(sticks_) : Input<ManualControlSetpoint>(),
+            .switches = Input(switches_),
+            .battery = has_battery_ ? Input(battery_) : Input<BatteryStatus>(),
+            .gyro = has_gyro_ ? Input(gyro_) : Input<SensorGyro>(),
+            .mag = has_mag_ ? Input(mag_) : Input<SensorMag>(),
+            .baro = has_baro_ ? Input(baro_) : Input<SensorBaro>(),
+            .gnss = has_gnss_ ? Input(gnss_) : Input<SensorGps>(),
+            .log = has_log_ ? Input(log_) : Input<LogBlock>(),
+            .params = Input(params_)};
+        testing::Probe status(ports.status, now_us_);
+        testing::Probe home(ports.home, now_us_);
+        testing::Probe health(ports.health, now_us_);
+        node_.step(ports);
+        status_ = status.newest();
+        home_ = home.newest();
+        health_ = health.newest();
+    }
+    void run(float seconds) {
+        for (float t = 0.0F; t < seconds; t += 0.02F) step();
+    }
+    void set_arm_switch(bool on) {
+        using Arm = ManualControlSwitches::ArmSwitch;
+        switches_.arm_switch = on ? Arm::kOn : Arm::kOff;
+        step();
+    }
+    bool is_armed() const { return status_.arming_state == VehicleStatus::ArmingState::kArmed; }
+    // Armed and in the air in this mode.
+    void fly(Nav mode) {
+        switches_.mode_slot = slot_of(mode);
+        run(4.0F);
+        set_arm_switch(true);
+        ASSERT_TRUE(is_armed());
+        land_.landed = false;
+        step();
+        ASSERT_EQ(status_.nav_state, mode);
+    }
+    void choose(Nav mode) {
+        switches_.mode_slot = slot_of(mode);
+        step();
+    }
+    // By the defaults of the parameters; take-off has no place of its own.
+    uint8_t slot_of(Nav mode) {
+        switch (mode) {
+            case Nav::kStabilized:
+                return 1;
+            case Nav::kAltitude:
+                return 2;
+            case Nav::kPosition:
+                return 3;
+            case Nav::kHold:
+                return 4;
+            case Nav::kMission:
+                return 5;
+            case Nav::kLand:
+                return 6;
+            default:
+                params_.mode6 = static_cast<int32_t>(mode);
+                return 6;
+        }
+    }
+
+    Commander node_;
+    VehicleLocalPosition position_{};
+    VehicleLandDetected land_{};
+    MissionResult result_{};
+    Mission mission_{};
+    ManualControlSetpoint sticks_{};
+    ManualControlSwitches switches_{};
+    BatteryStatus battery_{};
+    SensorGyro gyro_{};
+    SensorMag mag_{};
+    SensorBaro baro_{};
+    SensorGps gnss_{};
+    LogBlock log_{};
+    CommanderParams params_{};
+    VehicleStatus status_{};
+    HomePosition home_{};
+    HealthReport health_{};
+    uint64_t now_us_ = 0;
+    bool has_sticks_ = true;
+    bool has_battery_ = true;
+    bool has_gyro_ = true;
+    bool has_mag_ = true;
+    bool has_baro_ = true;
+    bool has_gnss_ = true;
+    bool has_log_ = true;
+};
+
+// --- arming ---
+
+TEST_F(CommanderTest, arms_when_the_switch_goes_on_and_takes_home_from_there) {
+    run(4.0F);
+    EXPECT_TRUE(health_.can_arm);
+    EXPECT_FALSE(is_armed());
+    set_arm_switch(true);
+    EXPECT_TRUE(is_armed());
+    EXPECT_TRUE(home_.valid_lpos);
+    EXPECT_EQ(home_.x, 3.0F);
+}
+
+TEST_F(CommanderTest, a_switch_that_was_on_from_the_start_does_not_arm) {
+    switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOn;
+    run(5.0F);
+    EXPECT_FALSE(is_armed());
+    set_arm_switch(false);
+    set_arm_switch(true);
+    EXPECT_TRUE(is_armed());
+}
+
+TEST_F(CommanderTest, each_check_that_fails_keeps_it_disarmed_and_says_so) {
+    const std::array<std::pair<std::function<void()>, bool HealthReport::*>, 14> faults{{
+        {[&] { has_gyro_ = false; }, &HealthReport::sensors_ok},
+        {[&] { has_mag_ = false; }, &HealthReport::sensors_ok},
+        {[&] { has_baro_ = false; }, &HealthReport::sensors_ok},
+        {[&] { has_gnss_ = false; }, &HealthReport::sensors_ok},
+        {[&] { position_.xy_valid = false; }, &HealthReport::estimator_ok},
+        {[&] { position_.z_valid = false; }, &HealthReport::estimator_ok},
+        {[&] { position_.v_xy_valid = false; }, &HealthReport::estimator_ok},
+        {[&] { position_.v_z_valid = false; }, &HealthReport::estimator_ok},
+        {[&] { battery_.warning = Warning::kLow; }, &HealthReport::battery_ok},
+        {[&] { battery_.connected = false; }, &HealthReport::battery_ok},
+        {[&] { has_battery_ = false; }, &HealthReport::battery_ok},
+        {[&] { has_sticks_ = false; }, &HealthReport::rc_ok},
+        {[&] { has_log_ = false; }, &HealthReport::logging_ok},
+        {[&] { choose(Nav::kMission), result_.valid = false; }, &HealthReport::mission_ok},
+    }};
+    const VehicleLocalPosition good = position_;
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+        node_ = {};
+        position_ = good;
+        battery_ = {.connected = true};
+        has_sticks_ = has_battery_ = has_gyro_ = has_mag_ = has_baro_ = has_gnss_ = true;
+        has_log_ = true;
+        switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
+        run(4.0F);
+        ASSERT_TRUE(health_.can_arm) << i;
+        faults[i].first();
+        set_arm_switch(true);
+        EXPECT_FALSE(is_armed()) << i;
+        EXPECT_FALSE(health_.can_arm) << i;
+        EXPECT_FALSE(health_.*faults[i].second) << i;
+    }
+}
+
+TEST_F(CommanderTest, the_estimate_must_have_been_good_for_a_while) {
+    run(2.0F);
+    EXPECT_FALSE(health_.estimator_ok);
+    run(2.0F);
+    EXPECT_TRUE(health_.estimator_ok);
+}
+
+TEST_F(CommanderTest, a_mission_is_only_needed_by_who_wants_to_fly_it) {
+    result_.valid = false;
+    run(4.0F);
+    EXPECT_TRUE(health_.can_arm);
+}
+
+TEST_F(CommanderTest, the_switch_waits_for_checks_as_long_as_it_may) {
+    params_.arming_wait = 2.0F;
+    run(2.0F);
+    set_arm_switch(true);
+    EXPECT_FALSE(is_armed());
+    run(1.5F);
+    EXPECT_TRUE(is_armed());
+}
+
+TEST_F(CommanderTest, a_wish_that_waited_too_long_is_forgotten) {
+    params_.arming_wait = 1.0F;
+    step();
+    set_arm_switch(true);
+    run(10.0F);
+    EXPECT_FALSE(is_armed());
+}
+
+TEST_F(CommanderTest, by_hand_it_arms_only_with_the_throttle_down) {
+    choose(Nav::kStabilized);
+    run(4.0F);
+    set_arm_switch(true);
+    EXPECT_FALSE(is_armed());
+    set_arm_switch(false);
+    sticks_.throttle = -1.0F;
+    set_arm_switch(true);
+    EXPECT_TRUE(is_armed());
+}
+
+// --- disarming ---
+
+TEST_F(CommanderTest, the_switch_disarms_on_the_ground_and_not_in_the_air) {
+    fly(Nav::kHold);
+    set_arm_switch(false);
+    EXPECT_TRUE(is_armed());
+    set_arm_switch(true);
+    land_.landed = true;
+    set_arm_switch(false);
+    EXPECT_FALSE(is_armed());
+}
+
+TEST_F(CommanderTest, the_kill_switch_disarms_in_the_air_once_it_is_held) {
+    fly(Nav::kHold);
+    switches_.kill_switch = ManualControlSwitches::KillSwitch::kOn;
+    run(0.2F);
+    EXPECT_TRUE(is_armed());
+    run(0.2F);
+    EXPECT_FALSE(is_armed());
+    EXPECT_EQ(status_.nav_state, Nav::kTermination);
+}
+
+TEST_F(CommanderTest, after_a_landing_it_disarms) {
+    fly(Nav::kLand);
+    land_.landed = true;
+    run(0.3F);
+    EXPECT_TRUE(is_armed());
+    run(0.4F);
+    EXPECT_FALSE(is_armed());
+}
+
+TEST_F(CommanderTest, armed_without_a_take_off_it_disarms_after_a_while) {
+    run(4.0F);
+    set_arm_switch(true);
+    run(params_.idle_limit - 1.0F);
+    EXPECT_TRUE(is_armed());
+    run(2.0F);
+    EXPECT_FALSE(is_armed());
+}
+
+TEST_F(CommanderTest, a_failsafe_before_the_take_off_disarms) {
+    run(4.0F);
+    set_arm_switch(true);
+    battery_.warning = Warning::kCritical;
+    run(0.1F);
+    EXPECT_FALSE(is_armed());
+}
+
+TEST_F(CommanderTest, a_descent_that_nobody_sees_end_disarms) {
+    fly(Nav::kHold);
+    position_.xy_valid = position_.z_valid = false;
+    run(1.0F);
+    ASSERT_EQ(status_.nav_state, Nav::kDescend);
+    run(params_.blind_limit - 2.0F);
+    EXPECT_TRUE(is_armed());
+    run(3.0F);
+    EXPECT_FALSE(is_armed());
+}
+
+// --- modes ---
+
+TEST_F(CommanderTest, the_mode_switch_chooses) {
+    fly(Nav::kHold);
+    for (const Nav mode : {Nav::kMission, Nav::kPosition, Nav::kAltitude, Nav::kStabilized}) {
+        choose(mode);
+        EXPECT_EQ(status_.nav_state, mode);
+    }
+}
+
+TEST_F(CommanderTest, the_return_switch_goes_before_the_mode_switch) {
+    fly(Nav::kHold);
+    switches_.return_switch = ManualControlSwitches::ReturnSwitch::kOn;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+    choose(Nav::kMission);
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+    switches_.return_switch = ManualControlSwitches::ReturnSwitch::kOff;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kMission);
+}
+
+TEST_F(CommanderTest, what_has_come_to_its_end_leads_on) {
+    fly(Nav::kMission);
+    result_.finished = true;
+    result_.nav_state = static_cast<uint8_t>(Nav::kMission);
+    result_.next_nav_state = static_cast<uint8_t>(Nav::kReturn);
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+    step();  // what the mission said does not count for the return
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+}
+
+TEST_F(CommanderTest, a_mode_that_could_not_go_on_is_refused) {
+    sticks_.throttle = -1.0F;
+    fly(Nav::kStabilized);
+    position_.xy_valid = false;
+    run(1.0F);
+    EXPECT_EQ(status_.nav_state, Nav::kStabilized);
+    choose(Nav::kMission);
+    EXPECT_EQ(status_.nav_state, Nav::kStabilized);
+    choose(Nav::kAltitude);
+    EXPECT_EQ(status_.nav_state, Nav::kAltitude);
+}
+
+// --- failsafes ---
+
+TEST_F(CommanderTest, lost_sticks_lead_home_after_a_moment) {
+    fly(Nav::kMission);
+    sticks_.valid = false;
+    run(0.4F);
+    EXPECT_EQ(status_.nav_state, Nav::kMission);
+    run(0.2F);
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+    EXPECT_TRUE(status_.failsafe);
+    EXPECT_EQ(status_.failsafe_event, Event::kRcLost);
+}
+
+TEST_F(CommanderTest, nothing_returns_by_itself_and_the_pilot_may_choose_again) {
+    fly(Nav::kMission);
+    sticks_.valid = false;
+    run(1.0F);
+    sticks_.valid = true;
+    run(1.0F);
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+    choose(Nav::kHold);
+    EXPECT_EQ(status_.nav_state, Nav::kHold);
+    EXPECT_FALSE(status_.failsafe);
+}
+
+TEST_F(CommanderTest, a_lost_position_leads_down) {
+    fly(Nav::kMission);
+    position_.v_xy_valid = false;
+    run(1.0F);
+    EXPECT_EQ(status_.nav_state, Nav::kDescend);
+    EXPECT_EQ(status_.failsafe_event, Event::kPositionLost);
+}
+
+TEST_F(CommanderTest, a_lost_height_counts_before_a_lost_position) {
+    fly(Nav::kMission);
+    position_.z_valid = position_.xy_valid = false;
+    run(1.0F);
+    EXPECT_EQ(status_.failsafe_event, Event::kEstimatorInvalid);
+}
+
+TEST_F(CommanderTest, the_fence_turns_it_back) {
+    fly(Nav::kMission);
+    mission_.fence_radius = 20.0F;
+    position_.x = 3.0F + 19.0F;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kMission);
+    position_.x = 3.0F + 21.0F;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+    EXPECT_EQ(status_.failsafe_event, Event::kGeofence);
+}
+
+TEST_F(CommanderTest, the_fence_has_a_lid) {
+    fly(Nav::kHold);
+    position_.z = -params_.fence_height - 1.0F;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+}
+
+TEST_F(CommanderTest, a_low_battery_leads_home_and_a_critical_one_down_where_it_is) {
+    fly(Nav::kMission);
+    battery_.warning = Warning::kLow;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+    EXPECT_EQ(status_.failsafe_event, Event::kBatteryLow);
+    battery_.warning = Warning::kEmergency;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kLand);
+    EXPECT_EQ(status_.failsafe_event, Event::kBatteryCritical);
+}
+
+TEST_F(CommanderTest, a_battery_that_looks_better_again_does_not_count) {
+    fly(Nav::kHold);
+    battery_.warning = Warning::kLow;
+    step();
+    battery_.warning = Warning::kNone;
+    choose(Nav::kPosition);
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+}
+
+TEST_F(CommanderTest, a_lost_mission_leads_home_from_the_mission_alone) {
+    fly(Nav::kHold);
+    result_.valid = false;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kHold);
+    result_.valid = true;
+    choose(Nav::kMission);
+    result_.valid = false;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+    EXPECT_EQ(status_.failsafe_event, Event::kMissionLost);
+}
+
+TEST_F(CommanderTest, a_landing_after_a_forced_return_is_forced_too) {
+    fly(Nav::kMission);
+    sticks_.valid = false;
+    run(1.0F);
+    result_.finished = true;
+    result_.nav_state = static_cast<uint8_t>(Nav::kReturn);
+    result_.next_nav_state = static_cast<uint8_t>(Nav::kLand);
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kLand);
+    EXPECT_EQ(status_.failsafe_event, Event::kRcLost);
+}
+
+// Whatever events come and go, a vehicle in the air stays armed, unless someone kills it.
+TEST_F(CommanderTest, no_event_disarms_in_the_air) {
+    for (unsigned events = 0; events < 64; ++events) {
+        node_ = {};
+        now_us_ = 0;
+        position_.xy_valid = position_.z_valid = sticks_.valid = result_.valid = true;
+        battery_.warning = Warning::kNone;
+        land_.landed = true;
+        switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
+        position_.x = 3.0F;
+        fly(Nav::kMission);
+        position_.xy_valid = (events & 1U) == 0;
+        position_.z_valid = (events & 2U) == 0;
+        sticks_.valid = (events & 4U) == 0;
+        result_.valid = (events & 8U) == 0;
+        if ((events & 16U) != 0) battery_.warning = Warning::kCritical;
+        if ((events & 32U) != 0) position_.x = 2000.0F;
+        run(5.0F);
+        EXPECT_TRUE(is_armed()) << events;
+        EXPECT_EQ(status_.failsafe, events != 0) << events;
+    }
+}
+
+}  // namespace
+}  // namespace stator

@@ -1,0 +1,118 @@
+// Landed or not: what says so, and what does not.
+#include "land_detector.hpp"
+
+#include <gtest/gtest.h>
+
+#include "stator/testing.hpp"
+
+namespace stator {
+namespace {
+
+class LandDetectorTest : public ::testing::Test {
+  protected:
+    LandDetectorTest() {
+        status_.arming_state = VehicleStatus::ArmingState::kArmed;
+        position_.z_valid = position_.v_z_valid = true;
+        setpoint_.velocity[2] = 0.5F;
+        thrust_.xyz[2] = -0.53F;
+    }
+
+    bool step() {
+        now_us_ += 4'000;
+        LandDetectorPorts ports{.now = now_us_,
+                                .position = Input(position_),
+                                .setpoint = Input(setpoint_),
+                                .thrust = Input(thrust_),
+                                .status = Input(status_),
+                                .params = Input(params_)};
+        testing::Probe land(ports.land, now_us_);
+        node_.step(ports);
+        return land.newest().landed;
+    }
+    bool run(float seconds) {
+        bool landed = false;
+        for (float t = 0.0F; t < seconds; t += 0.004F) landed = step();
+        return landed;
+    }
+    void fly() {
+        step();
+        position_.z = -2.0F;
+        ASSERT_FALSE(step());
+    }
+
+    LandDetector node_;
+    VehicleLocalPosition position_{};
+    TrajectorySetpoint setpoint_{};
+    VehicleThrustSetpoint thrust_{};
+    VehicleStatus status_{};
+    LandDetectorParams params_{};
+    uint64_t now_us_ = 0;
+};
+
+TEST_F(LandDetectorTest, disarmed_it_has_landed_wherever_it_is) {
+    fly();
+    status_.arming_state = VehicleStatus::ArmingState::kDisarmed;
+    EXPECT_TRUE(step());
+}
+
+TEST_F(LandDetectorTest, armed_it_stands_until_it_is_higher_or_moves) {
+    EXPECT_TRUE(run(5.0F));
+    position_.z = -0.3F;
+    EXPECT_TRUE(step());
+    position_.vz = -1.0F;
+    EXPECT_FALSE(step());
+}
+
+TEST_F(LandDetectorTest, has_landed_where_light_thrust_and_no_sinking_last) {
+    fly();
+    thrust_.xyz[2] = -0.2F;
+    EXPECT_FALSE(run(0.3F));
+    EXPECT_TRUE(run(0.2F));
+}
+
+TEST_F(LandDetectorTest, flies_while_one_of_these_is_missing) {
+    fly();
+    EXPECT_FALSE(run(2.0F));  // thrust carries it
+    thrust_.xyz[2] = -0.2F;
+    position_.vz = 0.5F;
+    EXPECT_FALSE(run(2.0F));  // it sinks
+    position_.vz = 0.0F;
+    setpoint_.velocity[2] = 0.0F;
+    EXPECT_FALSE(run(2.0F));  // it need not sink
+    setpoint_.velocity[2] = 0.5F;
+    setpoint_.acceleration[2] = -1.0F;
+    EXPECT_FALSE(run(2.0F));  // it is still braking
+    setpoint_.acceleration[2] = 0.0F;
+    position_.v_z_valid = false;
+    EXPECT_FALSE(run(2.0F));  // nobody knows
+}
+
+TEST_F(LandDetectorTest, after_an_impact_it_has_landed_sooner_even_with_thrust) {
+    fly();
+    position_.az = -12.0F;
+    EXPECT_FALSE(step());
+    position_.az = 0.0F;
+    EXPECT_TRUE(run(0.08F));
+}
+
+TEST_F(LandDetectorTest, an_impact_that_is_long_past_does_not_count) {
+    fly();
+    position_.vz = 0.5F;
+    position_.az = -12.0F;
+    step();
+    position_.az = 0.0F;
+    run(0.6F);
+    position_.vz = 0.0F;
+    EXPECT_FALSE(run(0.3F));
+}
+
+TEST_F(LandDetectorTest, what_only_seemed_to_have_landed_flies_as_soon_as_it_falls) {
+    fly();
+    thrust_.xyz[2] = -0.2F;
+    ASSERT_TRUE(run(0.5F));
+    position_.vz = 0.7F;
+    EXPECT_FALSE(step());
+}
+
+}  // namespace
+}  // namespace stator

@@ -1,0 +1,96 @@
+"""The failsafe table of the commander, and the proof of such tables against a search of our own."""
+
+from __future__ import annotations
+
+import copy
+import random
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from stator.diagnostics import Mark, Report
+from stator.failsafe import read_failsafe
+from stator.library import HOME, Library
+
+TABLE = HOME / "apps" / "commander" / "failsafe.yaml"
+URGENCY = [
+    "estimator_invalid", "position_lost", "geofence", "battery_critical", "rc_lost",
+    "mission_lost", "battery_low",
+]  # fmt: skip
+
+
+def load() -> dict[str, Any]:
+    content: dict[str, Any] = yaml.safe_load(TABLE.read_text(encoding="utf-8"))
+    return content
+
+
+def read(content: dict[str, Any], folder: Path) -> bool:
+    """Whether Stator takes the table."""
+    file = folder / "failsafe.yaml"
+    file.write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
+    library = Library(HOME, Report())
+    status = library.message("VehicleStatus", Mark(HOME, 1, 1))
+    assert status is not None
+    return read_failsafe(library, file, status) is not None
+
+
+def next_mode(content: dict[str, Any], mode: str, event: str) -> str:
+    target: str = content["table"][mode][event]
+    return mode if target == "go_on" else target
+
+
+def is_sound(content: dict[str, Any]) -> bool:
+    """By brute force: from any mode, whatever events come in whatever order, no mode comes back
+    after it was left; and where a set of events lets a mode stay, it takes nothing that that needs.
+    """
+    modes = list(content["table"])
+    reachable = {m: {next_mode(content, m, e) for e in URGENCY} - {m} for m in modes}
+    for _ in modes:
+        for m in modes:
+            reachable[m] |= {far for near in reachable[m] for far in reachable[near]}
+    if any(m in reachable[m] for m in modes):
+        return False
+    sets = [set(c) for n in range(len(URGENCY) + 1) for c in combinations(URGENCY, n)]
+    for mode in modes:
+        for active in sets:
+            if any(next_mode(content, mode, e) != mode for e in active):
+                continue
+            takes = {w for e in active for w in content["events"][e].get("without", [])}
+            if takes & set(content["needs"][mode]):
+                return False
+    return True
+
+
+def test_the_commanders_table_is_sound(tmp_path: Path) -> None:
+    assert is_sound(load())
+    assert read(load(), tmp_path)
+
+
+def test_what_is_urgent_comes_first() -> None:
+    assert list(load()["events"]) == URGENCY
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_agrees_with_brute_force_on_changed_tables(seed: int, tmp_path: Path) -> None:
+    draw = random.Random(seed)
+    modes = list(load()["table"])
+    verdicts = []
+    for _ in range(20):
+        content = copy.deepcopy(load())
+        for _ in range(draw.randrange(1, 3)):
+            event = draw.choice(URGENCY)
+            content["table"][draw.choice(modes)][event] = draw.choice([*modes, "go_on"])
+        verdicts.append(is_sound(content))
+        assert read(content, tmp_path) == verdicts[-1], content["table"]
+    assert len(set(verdicts)) == 2  # both kinds were drawn
+
+
+@pytest.mark.parametrize("part", ["events", "needs", "table"])
+def test_nothing_may_be_left_out(part: str, tmp_path: Path) -> None:
+    for key in load()[part]:
+        content = load()
+        del content[part][key]
+        assert not read(content, tmp_path), key

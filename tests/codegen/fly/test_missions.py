@@ -1,0 +1,240 @@
+"""Missions in virtual time, with the limits that the project promises; and each failsafe, flown.
+
+Limits: graph/missions/*.yaml, except for what a test says. Faults: docs/simulation.md.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pyulog import ULog
+
+from stator.flight import read_truth
+
+ROOT = Path(__file__).parents[3]
+MISSIONS = ROOT / "graph" / "missions"
+WINDY = ("--wind", "8", "--gusts", "moderate")
+
+
+def fly(mission: str, log: Path, *arguments: str) -> dict[str, Any]:
+    command = [ROOT / "stator", "fly", "--mission", MISSIONS / f"{mission}.yaml", "--json"]
+    finished = subprocess.run(
+        [*command, "-o", log, *arguments], cwd=ROOT, check=False, capture_output=True, text=True
+    )
+    assert finished.returncode in (0, 1), finished.stderr
+    facts: dict[str, Any] = json.loads(finished.stdout)
+    assert finished.returncode == (0 if facts["success"] else 1)
+    return facts
+
+
+def columns(log: Path, topic: str, *names: str) -> tuple[np.ndarray, np.ndarray]:
+    data = next(d.data for d in ULog(str(log)).data_list if d.name == topic)
+    return data["timestamp"] * 1e-6, np.column_stack([data[name] for name in names])
+
+
+def truth(facts: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Time, position, tilt in deg."""
+    flight = read_truth(Path(facts["truth"]))
+    tilt = 1 - 2 * (flight.q[:, 1] ** 2 + flight.q[:, 2] ** 2)
+    return flight.time_s, flight.position, np.degrees(np.arccos(np.clip(tilt, -1, 1)))
+
+
+def modes(facts: dict[str, Any]) -> list[str]:
+    return [m["mode"] if m["armed"] else "disarmed" for m in facts["modes"]]
+
+
+# --- missions ---
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_square_home_and_down(seed: int, tmp_path: Path) -> None:
+    facts = fly("square", tmp_path / "flight.ulg", "--seed", str(seed))
+    assert facts["success"], facts["reason"]
+    assert facts["items_reached"] == facts["items_total"] == 5
+    assert modes(facts) == ["disarmed", "mission", "return", "landing", "disarmed"]
+    assert facts["corridor_m"] <= 2.0
+    assert facts["landing_error_m"] <= 1.0
+    assert facts["touchdown_m_s"] < 1.0
+    assert facts["lost_samples"] == 0
+
+
+def assert_hovers(seed: int, log: Path) -> None:
+    facts = fly("hover", log, *WINDY, "--seed", str(seed))
+    assert facts["success"], facts["reason"]
+    assert facts["hold_horizontal_rms_m"] <= 1.0
+    assert facts["hold_vertical_rms_m"] <= 0.5
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_hovers_in_wind_and_gusts(seed: int, tmp_path: Path) -> None:
+    assert_hovers(seed, tmp_path / "flight.ulg")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(1, 21))
+def test_hovers_in_wind_and_gusts_with_many_seeds(seed: int, tmp_path: Path) -> None:
+    assert_hovers(seed, tmp_path / "flight.ulg")
+
+
+@pytest.mark.parametrize(("wind", "most_m"), [("0", 0.4), ("6", 0.6)])
+def test_eight_is_tracked(wind: str, most_m: float, tmp_path: Path) -> None:
+    log = tmp_path / "flight.ulg"
+    facts = fly("eight", log, "--wind", wind)
+    assert facts["items_reached"] == facts["items_total"] == 2
+    assert facts["tracking_rms_m"] <= most_m
+    _, velocity = columns(log, "trajectory_setpoint", "velocity[0]", "velocity[1]")
+    assert np.nanmax(np.hypot(*velocity.T)) == pytest.approx(5.0, abs=0.05)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_step_of_5_m(seed: int, tmp_path: Path) -> None:
+    """From the moment that the goal moves: within 0.3 m for good in 6 s, and at most 10 % beyond.
+    Against the estimate, as a satellite's position wanders meanwhile."""
+    log = tmp_path / "flight.ulg"
+    facts = fly("step", log, "--seed", str(seed))
+    assert facts["success"], facts["reason"]
+    goal_time, goal = columns(log, "goto_setpoint", "position[0]", "number")
+    last = np.flatnonzero(np.diff(goal[:, 0]) > 4.0)[-1] + 1
+    time, x = columns(log, "vehicle_local_position", "x")
+    during = (time >= goal_time[last]) & (time < goal_time[last] + 12.0)
+    error = x[during, 0] - goal[last, 0]
+    settled = time[during][np.abs(error) > 0.3].max() - goal_time[last]
+    assert settled < 6.0
+    assert error.max() < 0.5
+
+
+def test_a_plan_of_a_ground_station_is_flown(tmp_path: Path) -> None:
+    """In the place on Earth where it was planned: a waypoint 30 m north, and a landing there."""
+    degree_m = 111_200.0  # of latitude at 59 degrees north, roughly: the radius is 6,372 km
+    north = 59.0 + 30.0 / degree_m
+    items = [
+        [22, [0, 0, 0, None, 0, 0, 6]],
+        [16, [1, 0, 0, None, north, 10.0, 6]],
+        [21, [0, 0, 0, None, north, 10.0, 0]],
+    ]
+    plan = {
+        "fileType": "Plan",
+        "mission": {
+            "plannedHomePosition": [59.0, 10.0, 100.0],
+            "items": [
+                {"type": "SimpleItem", "command": command, "frame": 3, "params": params}
+                for command, params in items
+            ],
+        },
+    }
+    file = tmp_path / "flight.plan"
+    file.write_text(json.dumps(plan), encoding="utf-8")
+    facts = fly(str(file.with_suffix("")), tmp_path / "flight.ulg", "--mission", str(file))
+    assert facts["success"], facts["reason"]
+    _, position, _ = truth(facts)
+    assert position[-1, 0] == pytest.approx(30.0, abs=1.5)
+    assert position[-1, 1] == pytest.approx(0.0, abs=1.5)
+
+
+def test_the_same_seed_flies_the_same_mission_again(tmp_path: Path) -> None:
+    logs = [
+        fly("square", tmp_path / name, "--wind", "5", "--duration", "20")["log_sha256"]
+        for name in ("a.ulg", "b.ulg")
+    ]
+    assert logs[0] == logs[1]
+
+
+def test_the_speed_does_not_change_the_flight(tmp_path: Path) -> None:
+    logs = [
+        fly("square", tmp_path / name, "--duration", "6", *more)["log_sha256"]
+        for name, more in (("a.ulg", ("--speed", "20")), ("b.ulg", ()))
+    ]
+    assert logs[0] == logs[1]
+
+
+# --- failsafes: what happens, and that it ends on the ground ---
+
+
+def assert_comes_down(facts: dict[str, Any], event: str, expected: list[str]) -> None:
+    assert modes(facts) == ["disarmed", *expected, "disarmed"]
+    assert facts["modes"][2]["failsafe"] == event
+    assert not facts["success"]
+    assert f"failsafe {event}" in facts["reason"]
+    assert "not landed" not in facts["reason"]
+    assert "on its side" not in facts["reason"]
+    assert facts["touchdown_m_s"] < 1.0
+
+
+@pytest.mark.parametrize(
+    ("fault", "event", "expected"),
+    [
+        ("rc_loss@20", "rc_lost", ["mission", "return", "landing"]),
+        ("battery_low=0.1@20", "battery_low", ["mission", "return", "landing"]),
+        ("battery_low=0.06@20", "battery_critical", ["mission", "landing"]),
+        ("mission_loss@20", "mission_lost", ["mission", "return", "landing"]),
+        ("gnss_loss@20", "position_lost", ["mission", "descend"]),
+    ],
+)
+def test_fault_in_a_mission(fault: str, event: str, expected: list[str], tmp_path: Path) -> None:
+    facts = fly("square", tmp_path / "flight.ulg", "--fail", fault)
+    assert_comes_down(facts, event, expected)
+    if expected[-2:] == ["return", "landing"]:
+        assert facts["landing_error_m"] < 1.0
+
+
+def test_short_faults_are_flown_through(tmp_path: Path) -> None:
+    """Sticks that are gone for less than half a second, and satellites for 3 s."""
+    faults = ("--fail", "rc_loss@15+0.3", "--fail", "gnss_loss@20+3")
+    facts = fly("square", tmp_path / "flight.ulg", *faults)
+    assert facts["success"], facts["reason"]
+
+
+def test_without_position_it_descends_nearly_level(tmp_path: Path) -> None:
+    facts = fly("hover", tmp_path / "flight.ulg", "--fail", "gnss_loss@30")
+    assert_comes_down(facts, "position_lost", ["mission", "descend"])
+    time, _, tilt = truth(facts)
+    begin = facts["modes"][2]["time_s"]
+    assert begin - 30.0 < 7.0  # dead reckoning is believed for 5 s, and the loss for half a second
+    falling = (time > begin + 1.0) & (time < facts["touchdown_s"] - 0.1)
+    assert tilt[falling].max() < 10.0
+
+
+def test_without_an_estimate_it_descends(tmp_path: Path) -> None:
+    """Neither satellites nor pressure: nothing says how high it is."""
+    facts = fly("hover", tmp_path / "f.ulg", "--fail", "gnss_loss@30", "--fail", "baro_loss@30")
+    assert modes(facts)[:3] == ["disarmed", "mission", "descend"]
+    _, position, _ = truth(facts)
+    assert position[-1, 2] > -0.2
+    assert facts["touchdown_m_s"] < 3.0
+    assert modes(facts)[-1] == "disarmed"
+
+
+def test_outside_the_fence_it_turns_back(tmp_path: Path) -> None:
+    """The pilot flies away in position mode; the mission brings the fence, 60 m."""
+    pilot = tmp_path / "pilot.txt"
+    rows = ["0 0 0 0 0 3 0 0 0", "8 0 0 0 0 3 1 0 0", "10 0 0 0 1 3 1 0 0", "15 0 1 0 0 3 1 0 0"]
+    pilot.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    facts = fly("square", tmp_path / "flight.ulg", "--pilot", str(pilot))
+    assert_comes_down(facts, "geofence", ["position", "return", "landing"])
+    _, position, _ = truth(facts)
+    assert 59.0 < np.hypot(position[:, 0], position[:, 1]).max() < 70.0
+    assert facts["landing_error_m"] < 1.0
+
+
+# --- by hand ---
+
+
+def test_by_hand_the_sticks_are_the_attitude(tmp_path: Path) -> None:
+    """Mode slot 2 is altitude, 5 mission, 4 hold. Sideways at full stick, then hold, then down."""
+    pilot = tmp_path / "pilot.txt"
+    rows = [
+        "0 0 0 0 -1 2 0 0 0", "8 0 0 0 -1 2 1 0 0", "9 0 0 0 1 2 1 0 0", "13 0 0 0 0 2 1 0 0",
+        "15 0 0.5 0 0 2 1 0 0", "18 0 0 0 0 4 1 0 0", "25 0 0 0 0 6 1 0 0",
+    ]  # fmt: skip
+    pilot.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    facts = fly("square", tmp_path / "flight.ulg", "--pilot", str(pilot))
+    assert modes(facts) == ["disarmed", "altitude", "hold", "landing", "disarmed"]
+    time, _, tilt = truth(facts)
+    # Half stick of 0.4 rad: the tangent of the tilt is half that of 22.9 deg.
+    assert tilt[(time > 16) & (time < 17.5)].mean() == pytest.approx(11.9, abs=2.0)
+    assert facts["touchdown_m_s"] < 1.0
