@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from stator import language
+from stator import failsafe, language, mission_yaml
 
 if TYPE_CHECKING:
     from stator.shapes import Shape
@@ -25,6 +25,8 @@ KINDS: dict[str, Shape] = {
     "board": language.BOARD,
     "chip": language.CHIP,
     "budgets": language.BUDGETS,
+    "failsafe": failsafe.SHAPE,
+    "mission": mission_yaml.MISSION,
 }
 
 

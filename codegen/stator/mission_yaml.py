@@ -47,6 +47,10 @@ def _key(
     return Key(Quantity(name, unit, least, most), doc, required)
 
 
+def _item_key(doc: str, keys: dict[str, Key]) -> Key:
+    return Key(Struct(keys), doc, required=True)
+
+
 _HEIGHT = _key("height", "m", 0.5, 1000, "Above home; left out: as before.")
 _PLACE = {
     "north": _key("north", "m", -10_000, 10_000, "Of the origin; left out: as before."),
@@ -55,36 +59,42 @@ _PLACE = {
 }
 _SPEED = _key("speed", "m/s", 0.2, 15, "Fastest horizontally.")
 _HEADING = _key("heading", "rad", -6.3, 6.3, "There; left out: towards it.")
-ITEMS: dict[str, Struct] = {
-    "takeoff": Struct({"height": _key("height", "m", 0.5, 1000, "Above home.", required=True)}),
-    "waypoint": Struct(
+ITEMS: dict[str, Key] = {
+    "takeoff": _item_key(
+        "Straight up; the first item of every mission.",
+        {"height": _key("height", "m", 0.5, 1000, "Above home.", required=True)},
+    ),
+    "waypoint": _item_key(
+        "To a place, and on.",
         {
             **_PLACE,
             "hold": _key("hold", "s", 0, 36_000, "How long to stay; 0: flies on without a stop."),
             "radius": _key("radius", "m", 0.2, 100, "How near is there."),
             "speed": _SPEED,
             "heading": _HEADING,
-        }
+        },
     ),
-    "loiter": Struct(
+    "loiter": _item_key(
+        "To a place, and stays there.",
         {
             **_PLACE,
             "time": _key("time", "s", 0.1, 36_000, "How long to stay; left out: for ever."),
             "speed": _SPEED,
             "heading": _HEADING,
-        }
+        },
     ),
-    "eight": Struct(
+    "eight": _item_key(
+        "Round a figure of eight about a place.",
         {
             **_PLACE,
             "length": _key("length", "m", 2, 200, "Its length; half as wide.", required=True),
             "laps": _key("laps", "1", 1, 100, "How often round."),
             "speed": _key("speed", "m/s", 0.2, 15, "In its middle, the fastest.", required=True),
             "heading": _key("heading", "rad", -6.3, 6.3, "Of its long axis."),
-        }
+        },
     ),
-    "return": Struct({}),
-    "land": Struct({**_PLACE}),
+    "return": _item_key("Home, and down; the last item.", {}),
+    "land": _item_key("To a place, and down; the last item.", {**_PLACE}),
 }
 # Limits that make a flight a success, and the unit of each.
 LIMITS: dict[str, Key] = {
@@ -116,11 +126,13 @@ class _AnyItem:
             hint = report.nearest(name, ITEMS)
             report.error(mark, "unknown-key", f"there is no item '{name}'", hint)
             return None
-        record = ITEMS[name].read(content, report)
+        record = ITEMS[name].shape.read(content, report)
         return None if record is None else (name, record)
 
     def schema(self) -> dict[str, Any]:
-        return {}
+        alone = [name for name, key in ITEMS.items() if "required" not in key.shape.schema()]
+        mappings = [Struct({name: key}).schema() for name, key in ITEMS.items()]
+        return {"anyOf": [{"enum": alone}, *mappings]}
 
 
 MISSION = Struct(

@@ -18,6 +18,8 @@ FILES = {
     "board": ("Board", "`boards/NAME/board.yaml`: what a graph runs on."),
     "chip": ("Chip", "`boards/FAMILY/CHIP.yaml`: what all boards with it share."),
     "budgets": ("Budgets", "`graph/budgets/BOARD.yaml`: execution times as measured there."),
+    "failsafe": ("Failsafe table", "Beside an app's interface: which flight mode follows which."),
+    "mission": ("Mission", "`graph/missions/*.yaml`, for `./stator fly --mission`."),
 }
 HEAD = """# The language
 

@@ -33,7 +33,10 @@ class AttitudeControlTest : public ::testing::Test {
             .timestamp = 0, .timestamp_sample = 0, .q = math::to_array(q_NB)};
         AttitudeControlPorts ports{
             .attitude = Input(attitude),
+            .navigation = has_navigation_ ? Input(navigation_) : Input<VehicleAttitude>(),
             .setpoint = has_setpoint_ ? Input(setpoint_) : Input<VehicleAttitudeSetpoint>(),
+            .sticks = Input(sticks_),
+            .status = Input(status_),
             .params = Input(params_)};
         testing::Probe rates(ports.rates, 0);
         node_.step(ports);
@@ -45,7 +48,11 @@ class AttitudeControlTest : public ::testing::Test {
     VehicleAttitudeSetpoint setpoint_{};
     AttitudeControlParams params_{};
     VehicleRatesSetpoint newest_{};
+    ManualControlSetpoint sticks_{};
+    VehicleStatus status_{.nav_state = VehicleStatus::NavState::kHold};
+    VehicleAttitude navigation_{};
     bool has_setpoint_ = true;
+    bool has_navigation_ = false;
 };
 
 TEST_F(AttitudeControlTest, wants_nothing_before_the_first_setpoint) {
@@ -144,6 +151,46 @@ TEST_F(AttitudeControlTest, converges_from_any_attitude_to_any_other) {
         for (int i = 0; i < 2000; ++i) q = math::integrate(q, rates_at(q), 0.004F);
         EXPECT_LT(math::norm(math::to_rotation_vector(q.conjugate() * wanted)), 1e-3F) << trial;
     }
+}
+
+TEST_F(AttitudeControlTest, the_better_attitude_is_used_while_it_is_there) {
+    set(euler(0.3F, 0.0F, 0.0F));
+    navigation_.q = setpoint_.q_d;
+    has_navigation_ = true;
+    EXPECT_LT(math::norm(rates_at(Quaternion<float>::Identity())), 1e-5F);
+    has_navigation_ = false;
+    EXPECT_GT(rates_at(Quaternion<float>::Identity()).x(), 1.0F);
+}
+
+// Right stick to the right rolls right, forward pitches down; in the middle the throttle hovers.
+TEST_F(AttitudeControlTest, by_hand_the_sticks_are_the_attitude) {
+    status_.nav_state = VehicleStatus::NavState::kStabilized;
+    sticks_ = {.valid = true, .roll = 1.0F, .pitch = 0.5F, .yaw = -1.0F};
+    const Quaternion<float> wanted = euler(params_.stick_tilt, -0.5F * params_.stick_tilt, 1.0F);
+    const Vector3<float> rates = rates_at(wanted);
+    EXPECT_NEAR(rates.x(), params_.stick_yaw_rate * -0.28F, 0.05F);  // of the turn, as it leans
+    EXPECT_LT(rates.z(), -0.7F * params_.stick_yaw_rate);
+    EXPECT_NEAR(newest_.thrust_body[2], -params_.stick_hover, 1e-6F);
+}
+
+TEST_F(AttitudeControlTest, the_throttle_goes_from_nothing_to_the_most) {
+    status_.nav_state = VehicleStatus::NavState::kManual;
+    sticks_ = {.valid = true, .throttle = -1.0F};
+    rates_at(Quaternion<float>::Identity());
+    EXPECT_EQ(newest_.thrust_body[2], 0.0F);
+    sticks_.throttle = 1.0F;
+    rates_at(Quaternion<float>::Identity());
+    EXPECT_NEAR(newest_.thrust_body[2], -params_.stick_most, 1e-6F);
+}
+
+TEST_F(AttitudeControlTest, sticks_that_are_not_heard_or_not_asked_do_nothing) {
+    set(euler(0.0F, 0.0F, 0.0F));
+    sticks_ = {.valid = false, .roll = 1.0F};
+    status_.nav_state = VehicleStatus::NavState::kStabilized;
+    EXPECT_LT(math::norm(rates_at(Quaternion<float>::Identity())), 1e-5F);
+    sticks_.valid = true;
+    status_.nav_state = VehicleStatus::NavState::kHold;
+    EXPECT_LT(math::norm(rates_at(Quaternion<float>::Identity())), 1e-5F);
 }
 
 }  // namespace

@@ -118,6 +118,7 @@ class FlyingCascade {
     explicit FlyingCascade(const Mismatch& mismatch = {})
         : body(mismatch), mismatch_(mismatch), random_(mismatch.seed) {
         status.arming_state = VehicleStatus::ArmingState::kArmed;
+        status.nav_state = VehicleStatus::NavState::kHold;
     }
 
     // In the air, long enough for spool-up and the drop that it causes to be over.

@@ -32,6 +32,8 @@ constexpr PositionControlParams proportional() {
             .descent_limit = 1.0F,
             .tilt_limit = 0.6F,
             .hover_thrust = kHover,
+            .hover_time_constant = 2.0F,
+            .drag = 0.0F,
             .thrust_min = 0.1F,
             .thrust_max = 0.9F,
             .spool_up_time = 0.1F,
@@ -43,6 +45,7 @@ class PositionControlTest : public ::testing::Test {
     PositionControlTest() {
         position_.xy_valid = position_.z_valid = position_.v_xy_valid = position_.v_z_valid = true;
         status_.arming_state = VehicleStatus::ArmingState::kArmed;
+        status_.nav_state = VehicleStatus::NavState::kHold;
     }
 
     // Gives a new position 10 ms after the one before.
@@ -54,6 +57,7 @@ class PositionControlTest : public ::testing::Test {
             .position = has_position_ ? Input(position_) : Input<VehicleLocalPosition>(),
             .setpoint = has_setpoint_ ? Input(setpoint_) : Input<TrajectorySetpoint>(),
             .status = Input(status_),
+            .land = has_land_ ? Input(land_) : Input<VehicleLandDetected>(),
             .params = Input(params_, is_first_)};
         is_first_ = false;
         testing::Probe probe(ports.attitude_setpoint, now_us_);
@@ -88,6 +92,8 @@ class PositionControlTest : public ::testing::Test {
     uint32_t publications_ = 0;
     uint64_t now_us_ = 1'000'000;
     bool has_position_ = true;
+    bool has_land_ = false;
+    VehicleLandDetected land_{};
     bool has_setpoint_ = true;
     bool is_first_ = true;
 };
@@ -301,6 +307,58 @@ TEST_F(PositionControlTest, a_missing_position_is_awaited_then_it_sinks_level) {
     EXPECT_EQ(publications_, 1U);
     EXPECT_LT(math::tilt(attitude()), 1e-4F);
     EXPECT_NEAR(acceleration().z(), 0.3F, 1e-3F);
+}
+
+TEST_F(PositionControlTest, drag_is_fed_forward_with_the_wanted_velocity) {
+    params_.drag = 0.3F;
+    spool_up();
+    setpoint_.velocity = {2.0F, 0.0F, 0.0F};
+    position_.vx = 2.0F;
+    step();
+    EXPECT_NEAR(acceleration().x(), 0.6F, 1e-3F);
+}
+
+TEST_F(PositionControlTest, on_the_ground_it_wants_nothing_until_it_shall_climb) {
+    has_land_ = true;
+    land_.landed = true;
+    setpoint_.position = {5.0F, 0.0F, 0.0F};
+    steps(20);
+    EXPECT_EQ(thrust(), 0.0F);
+    EXPECT_LT(math::tilt(attitude()), 1e-4F);
+    setpoint_.velocity[2] = -0.5F;
+    step();
+    EXPECT_LT(thrust(), 0.2F);  // spools up
+    steps(20);
+    EXPECT_GT(thrust(), kHover);
+}
+
+TEST_F(PositionControlTest, by_hand_it_wants_nothing) {
+    spool_up();
+    status_.nav_state = VehicleStatus::NavState::kStabilized;
+    step();
+    EXPECT_EQ(thrust(), 0.0F);
+    status_.nav_state = VehicleStatus::NavState::kHold;
+    steps(11);
+    EXPECT_NEAR(thrust(), kHover, 1e-3F);
+}
+
+// A vehicle 20 % heavier than the parameter says: v' = g (1 - thrust / 0.6). The learned thrust
+// carries it, so that what is left to the integral fades.
+TEST_F(PositionControlTest, in_flight_it_learns_the_thrust_that_carries_the_weight) {
+    has_land_ = true;
+    params_.vertical_velocity_i = 2.0F;
+    setpoint_.velocity = {0.0F, 0.0F, 0.0F};
+    setpoint_.position = {kNaN, kNaN, kNaN};
+    for (int i = 0; i < 2000; ++i) {
+        step();
+        position_.vz += kGravity * (1.0F - thrust() / 0.6F) * 0.01F;
+    }
+    EXPECT_NEAR(position_.vz, 0.0F, 1e-3F);
+    EXPECT_NEAR(thrust(), 0.6F, 1e-3F);
+    // Of 1 m/s^2 upwards, the vehicle gets what it is told only if its hover thrust is known.
+    setpoint_.acceleration[2] = -1.0F;
+    step();
+    EXPECT_NEAR(kGravity * (1.0F - thrust() / 0.6F), -1.0F, 0.02F);
 }
 
 }  // namespace

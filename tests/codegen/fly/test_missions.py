@@ -70,7 +70,7 @@ def assert_hovers(seed: int, log: Path) -> None:
     assert facts["hold_vertical_rms_m"] <= 0.5
 
 
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", [2, 7])
 def test_hovers_in_wind_and_gusts(seed: int, tmp_path: Path) -> None:
     assert_hovers(seed, tmp_path / "flight.ulg")
 

@@ -24,12 +24,14 @@ FILES = {
     "graph": [*GRAPHS, *ROOT.glob("graph/examples/parts/*.yaml"), *BAD.glob("parts/filter.yaml")],
     "message": [*ROOT.glob("graph/messages/*.yaml"), *ROOT.glob("graph/examples/messages/*.yaml")],
     "interface": [
-        *ROOT.glob("apps/*/*.yaml"),
+        *(path for path in ROOT.glob("apps/*/*.yaml") if path.stem == path.parent.name),
         *ROOT.glob("graph/examples/apps/*/*.yaml"),
         *ROOT.glob("drivers/*/*.yaml"),
     ],
     "board": [*ROOT.glob("boards/*/board.yaml"), *ROOT.glob("graph/examples/boards/*/board.yaml")],
     "chip": [path for path in ROOT.glob("boards/*/*.yaml") if path.name != "board.yaml"],
+    "failsafe": [*ROOT.glob("apps/*/failsafe.yaml")],
+    "mission": [*ROOT.glob("graph/missions/*.yaml")],
     "budgets": [*ROOT.glob("graph/budgets/*.yaml"), *ROOT.glob("graph/examples/budgets/*.yaml")],
 }
 
