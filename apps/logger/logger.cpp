@@ -12,46 +12,27 @@ namespace {
 // "ULog", 0x01 0x12 0x35, version 1, then the start time: 0, as the clock counts from boot.
 constexpr std::array<uint8_t, 16> kHeader{0x55, 0x4C, 0x6F, 0x67, 0x01, 0x12, 0x35, 0x01};
 constexpr size_t kFlagBytes = 40;
-constexpr uint32_t kCanonicalNan = 0x7FC00000;
-constexpr uint64_t kCanonicalNanDouble = 0x7FF8000000000000;
 
 uint16_t text_bytes(const char* text) {
     return static_cast<uint16_t>(std::strlen(text));
-}
-
-// Replaces any NaN of `Bits`-wide numbers by the canonical one: sign and payload of a NaN differ
-// between machines. `exponent` has the bits that are all ones in infinities and NaNs.
-template <class Bits>
-void canonicalise(std::byte* numbers, size_t count, Bits exponent, Bits canonical) {
-    for (size_t i = 0; i < count; ++i, numbers += sizeof(Bits)) {
-        Bits bits = 0;
-        std::memcpy(&bits, numbers, sizeof bits);
-        const Bits magnitude = bits & (static_cast<Bits>(~Bits{0}) >> 1);
-        if (magnitude > exponent) std::memcpy(numbers, &canonical, sizeof canonical);
-    }
-}
-
-void canonicalise(std::byte* sample, const LogFloats& floats) {
-    std::byte* numbers = sample + floats.offset;
-    if (floats.bytes == sizeof(uint32_t)) {
-        canonicalise<uint32_t>(numbers, floats.count, 0x7F800000, kCanonicalNan);
-    } else {
-        canonicalise<uint64_t>(numbers, floats.count, 0x7FF0000000000000, kCanonicalNanDouble);
-    }
 }
 
 }  // namespace
 
 void Logger::step(LoggerPorts& ports) {
     published_ = 0;
-    if (write_definitions(ports)) write_samples(ports);
+    if (write_definitions(ports)) {
+        write_samples(ports);
+        if (ports.log->recording != nullptr) write_recording(ports);
+    }
     if (ports.now - flushed_us_ >= kFlushInterval_us) flush(ports);
     previous_us_ = ports.now;
 }
 
 // True when all are written; samples come after them.
 bool Logger::write_definitions(LoggerPorts& ports) {
-    const uint32_t count = 1 + 2 * ports.log->topic_count + ports.log->parameter_count;
+    const LogTable& table = *ports.log;
+    const uint32_t count = 1 + 2 * table.topic_count + table.parameter_count;
     for (; defined_ < count && has_room(); ++defined_) write_definition(ports, defined_);
     return defined_ == count;
 }
@@ -64,7 +45,8 @@ void Logger::write_definition(LoggerPorts& ports, uint32_t index) {
     if (index < table.topic_count) return write_format(ports, table.topics[index]);
     index -= table.topic_count;
     if (index < table.parameter_count) return write_parameter(ports, table.parameters[index]);
-    write_subscription(ports, static_cast<uint16_t>(index - table.parameter_count));
+    index -= table.parameter_count;
+    write_subscription(ports, static_cast<uint16_t>(index));
 }
 
 void Logger::write_header(LoggerPorts& ports) {
@@ -150,7 +132,7 @@ void Logger::write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id,
     write(ports, &id, sizeof id);
     std::byte* copy = block_ + used_;  // `begin` made room for the whole sample
     write(ports, sample, bytes);
-    for (uint16_t i = 0; i < row.float_count; ++i) canonicalise(copy, row.floats[i]);
+    canonicalise(copy, row.floats, row.float_count);
 }
 
 void Logger::write_dropout(LoggerPorts& ports, uint64_t duration_us) {
@@ -187,6 +169,8 @@ void Logger::write_text(LoggerPorts& ports, const char* text) {
 void Logger::flush(LoggerPorts& ports) {
     flushed_us_ = ports.now;
     if (used_ == 0) return;
+    if (ports.log->recording != nullptr) check_block();
+    checked_ = 0;
     ++published_;
     ports.block.publish([&] {
         LogBlock block{};

@@ -1,6 +1,8 @@
-// The flight log as ULog v1 (docs.px4.io, "ULog File Format"): definitions first, then samples.
+// The flight log as ULog v1 (docs.px4.io, "ULog File Format"): definitions first, then samples, and
+// between these the recording, in messages of its own (docs/recording.md).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -33,6 +35,15 @@ class Logger {
                       const std::byte* sample);
     void write_dropout(LoggerPorts& ports, uint64_t duration_us);
 
+    // recording.cpp
+    enum class Kind : uint8_t { kStream = 0x00, kDefinition = 0x10, kGap = 0x20, kCheck = 0x30 };
+    void write_recording(LoggerPorts& ports);
+    void write_stream(LoggerPorts& ports, unsigned level);
+    void write_gap(LoggerPorts& ports, unsigned level);
+    void write_check(LoggerPorts& ports);
+    void begin_recorded(LoggerPorts& ports, Kind kind, unsigned level, size_t bytes);
+    void check_block();
+
     void begin(LoggerPorts& ports, char type, size_t bytes);
     void write(LoggerPorts& ports, const void* bytes, size_t count);
     void write_text(LoggerPorts& ports, const char* text);
@@ -44,6 +55,12 @@ class Logger {
     uint64_t flushed_us_ = 0;
     uint32_t lost_ = 0;
     uint64_t previous_us_ = 0;
+    // Of the recording: definitions written; activations known to be lost, by level; CRC-32 of the
+    // log since the last check, up to byte `checked_` of the block.
+    uint32_t recorded_ = 0;
+    std::array<uint32_t, kMostStreams> gaps_{};
+    uint32_t crc_ = 0;
+    size_t checked_ = 0;
     std::byte block_[kBlockBytes]{};
 };
 

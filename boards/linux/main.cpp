@@ -111,6 +111,9 @@ void print(const board::RealWorld& world, double wall_s) {
                 static_cast<unsigned long long>(world.missed_samples()),
                 static_cast<unsigned long long>(missed_releases),
                 is_real_time() ? "true" : "false");
+    // Threads do not interrupt each other where a program could count it.
+    std::printf("\"unrecorded_activations\": %llu, ",
+                static_cast<unsigned long long>(recording_counts().lost));
     print_refusals();
     std::printf(", ");
     print_levels(wall_s);

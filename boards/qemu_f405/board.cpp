@@ -61,9 +61,12 @@ bool append(const uint8_t* bytes, size_t count) {
 }
 
 [[noreturn]] void finish() {
+    const RecordingCounts recording = recording_counts();
     link::ToPlant message{.kind = link::ToPlant::Kind::kFinished,
                           .time_us = clock_us(),
-                          .missed_samples = missed_samples};
+                          .missed_samples = missed_samples,
+                          .preemptions = recording.preemptions,
+                          .unrecorded_activations = recording.lost};
     for (unsigned i = 0; i < program.task_count; ++i) {
         message.activations += program.tasks[i].counters->activations;
         message.lost_samples += program.tasks[i].counters->lost_samples;

@@ -24,8 +24,10 @@ struct ToPlant {
     uint64_t activations = 0;
     uint64_t lost_samples = 0;
     uint64_t missed_samples = 0;  // that a device still busy with the one before did not take
+    uint64_t preemptions = 0;
+    uint64_t unrecorded_activations = 0;
 };
-static_assert(sizeof(ToPlant) == 56);
+static_assert(sizeof(ToPlant) == 72);
 
 // What the sensors saw since the step before; of each, the newest sample.
 struct FromPlant {

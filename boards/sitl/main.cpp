@@ -26,6 +26,7 @@ struct Run {
     double wall_s = 0.0;
     std::uint64_t activations = 0;
     std::uint64_t lost_samples = 0;
+    RecordingCounts recording;
 };
 
 [[nodiscard]] bool open(const char* path, std::FILE*& file) {
@@ -67,7 +68,7 @@ Run run(const board::Options& options) {
         run_until(options.duration_us);
     }
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-    Run result{.wall_s = wall.count()};
+    Run result{.wall_s = wall.count(), .recording = recording_counts()};
     for (unsigned i = 0; i < program.task_count; ++i) {
         result.activations += program.tasks[i].counters->activations;
         result.lost_samples += program.tasks[i].counters->lost_samples;
@@ -80,6 +81,9 @@ void print(const Run& run) {
     std::printf("{\"activations\": %llu, \"lost_samples\": %llu, ",
                 static_cast<unsigned long long>(run.activations),
                 static_cast<unsigned long long>(run.lost_samples));
+    std::printf("\"preemptions\": %llu, \"unrecorded_activations\": %llu, ",
+                static_cast<unsigned long long>(run.recording.preemptions),
+                static_cast<unsigned long long>(run.recording.lost));
     board::print_flight_facts(board::world(), run.wall_s);
     std::puts("}");
 }

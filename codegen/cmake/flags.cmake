@@ -9,6 +9,9 @@ target_compile_options(stator_flags INTERFACE
     -fno-exceptions -fno-rtti -fno-threadsafe-statics
 )
 target_compile_definitions(stator_flags INTERFACE EIGEN_DONT_VECTORIZE EIGEN_MPL2_ONLY EIGEN_NO_IO EIGEN_NO_DEBUG)
+if(STATOR_RECORDING)
+    target_compile_definitions(stator_flags INTERFACE STATOR_RECORDING)
+endif()
 get_target_property(eigen_folder Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 target_include_directories(stator_flags SYSTEM INTERFACE ${eigen_folder})
 if(STATOR_SANITIZE)

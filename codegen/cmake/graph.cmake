@@ -10,11 +10,19 @@ file(GLOB_RECURSE stator_compiler CONFIGURE_DEPENDS
     "${CMAKE_SOURCE_DIR}/codegen/stator/*.py" "${CMAKE_SOURCE_DIR}/codegen/stator/templates/*.j2")
 set_property(DIRECTORY "${CMAKE_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${stator_compiler})
 
+set(stator_gen_options)
+if(STATOR_RECORDING)
+    list(APPEND stator_gen_options --record)
+elseif(STATOR_REPLAY)
+    list(APPEND stator_gen_options --replay)
+endif()
+
 # Generates the C++ of the graph and sets graph_* in the caller (codegen/stator/templates/graph.cmake.j2).
 macro(stator_generate folder graph board)
     execute_process(
         COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${CMAKE_SOURCE_DIR}/codegen"
                 "${STATOR_PYTHON}" -m stator gen "${graph}" --board "${board}" -o "${folder}"
+                ${stator_gen_options}
         RESULT_VARIABLE generated OUTPUT_QUIET)
     # Watched even after an error, so that mending the graph is enough.
     set_property(DIRECTORY "${CMAKE_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${graph}")

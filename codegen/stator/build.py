@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+    from stator.plan import Plan
+
 PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # for runs in which activations take time
+RECORDING = {"STATOR_RECORDING": "ON"}  # each flight is recorded in its log, for replay
 SLEEP = {"STATOR_SLEEP": "ON"}  # on bare metal: sleeps when idle, instead of spinning
 TOOLCHAIN = HOME / "codegen" / "cmake" / "cortex_m4f.cmake"
 INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate", "pthread": "./stator run"}
@@ -64,6 +67,21 @@ def build(
     folder = HOME / "build" / name
     configure(folder, options, ["graph_program"])
     return folder / ("graph_program.elf" if bare else "graph_program")
+
+
+def build_replay(plan: Plan) -> Path:
+    """The program that replays recordings of the graph on this machine. Raises `BuildFailed`."""
+    name = f"{plan.graph.name}-{plan.board.name}-replay"
+    options = [
+        f"-DSTATOR_GRAPH={plan.graph.file}",
+        f"-DSTATOR_BOARD={plan.board.name}",
+        "-DSTATOR_TESTS=OFF",
+        "-DSTATOR_REPLAY=ON",
+    ]
+    _one_line(f"building {name} ...")
+    folder = HOME / "build" / name
+    configure(folder, options, ["graph_program"])
+    return folder / "graph_program"
 
 
 def build_plant() -> Path:

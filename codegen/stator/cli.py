@@ -28,6 +28,7 @@ COMMANDS = {
     "flash": "put a graph's firmware onto a board",
     "emulate": "fly a graph's firmware in an emulator and report",
     "plot": "draw a flight from its log",
+    "replay": "repeat a recorded flight and compare every sample",
     "score": "score an estimator on recordings",
     "bench": "measure against peers, as ratios within one run",
     "test": "run every test",
@@ -44,6 +45,7 @@ MODULES = {
     "flash": "stator.flash",
     "emulate": "stator.emulate",
     "plot": "stator.plot",
+    "replay": "stator.replay",
     "score": "stator.score",
     "bench": "stator.bench",
 }
@@ -218,13 +220,19 @@ def _gen_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", required=True, metavar="DIR", type=path, help="where to write"
     )
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--record", action="store_true", help="with a recording of each flight")
+    what.add_argument("--replay", action="store_true", help="a program that replays recordings")
 
 
 def _gen(arguments: argparse.Namespace) -> int:
-    from stator.emit import emit, write
+    from stator.emit import emit, emit_replay, write
 
-    plan = make_buildable_plan(arguments.graph, arguments.board)
-    files = emit(plan)
+    if arguments.replay:
+        files = emit_replay(make_plan(arguments.graph, arguments.board))
+    else:
+        plan = make_buildable_plan(arguments.graph, arguments.board)
+        files = emit(plan, record=arguments.record)
     changed = write(files, arguments.output)
     print(f"{arguments.output}: {len(files)} files, {changed} changed")
     return 0

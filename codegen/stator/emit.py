@@ -13,6 +13,7 @@ import jinja2
 
 from stator import emit_cortex_m as cortex_m
 from stator import emit_pthread as pthread
+from stator import emit_recording as recording
 from stator import emit_rows as rows
 from stator import emit_tasks
 from stator.diagnostics import Mark, UserError
@@ -28,8 +29,79 @@ MANIFEST = "generated_files.txt"
 EXECUTORS = ("cortex_m", "pthread", "virtual")
 
 
-def emit(plan: Plan) -> dict[str, str]:
-    """Every generated file: its path below the output folder, and its text."""
+def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
+    """Every generated file: its path below the output folder, and its text. `record`: the flight is
+    recorded for replay."""
+    files = _parts(plan)
+    record = record and recording.is_recordable(plan)
+    graph = _start(plan.graph.file)
+    tasks = [emit_tasks.task(plan, task) for task in plan.tasks]
+    parameters = rows.parameters(plan)
+    recorded = recording.task_rows(plan) if record else {}
+    for row in (*tasks, *parameters):
+        row["recorded"] = recorded.get(row["name"] if "name" in row else row["topic"])
+    topics = [rows.topic(plan, topic) for topic in plan.topics.values()]
+    files["topics.hpp"] = _render("topics.hpp.j2", graph, topics=topics)
+    files["topics.cpp"] = _render("topics.cpp.j2", graph, topics=topics)
+    files["tasks.hpp"] = _render("tasks.hpp.j2", graph, tasks=tasks)
+    for task in tasks:
+        files[f"tasks/{task['name']}.cpp"] = _render("task.cpp.j2", task["mark"], task=task)
+    files["parameters.cpp"] = _render("parameters.cpp.j2", graph, nodes=parameters)
+    if plan.graph.modes is not None:
+        files["modes.cpp"] = _render(
+            "modes.cpp.j2", graph, modes=rows.modes(plan) | {"recorded": record}
+        )
+    log = rows.log(plan)
+    if log is not None:
+        files["log_table.cpp"] = _render(
+            "log_table.cpp.j2",
+            graph,
+            log=log,
+            graph=plan.graph.name,
+            hash=graph_hash(plan),
+            recording=record,
+        )
+    if record:
+        row = recording.recording_row(plan, _shown(plan.graph.file))
+        files["recording.hpp"] = _render("recording.hpp.j2", graph, recording=row)
+        files["recording.cpp"] = _render("recording.cpp.j2", graph, recording=row)
+    if plan.board.executor == "cortex_m":
+        files |= _cortex_m(plan, tasks)
+    elif plan.board.executor == "pthread":
+        files |= _pthread(plan, tasks, topics)
+    elif plan.board.executor in EXECUTORS:
+        files["executor.cpp"] = _render(
+            f"executor_{plan.board.executor}.cpp.j2", graph, tasks=tasks, program=rows.program(plan)
+        )
+    files["plan.txt"] = plan_text(plan)
+    files["graph.cmake"] = _render("graph.cmake.j2", graph, **rows.build(plan, files))
+    return files
+
+
+def emit_replay(plan: Plan) -> dict[str, str]:
+    """The files of the program that replays recordings of this graph, on any machine."""
+    files = _parts(plan)
+    graph = _start(plan.graph.file)
+    recorded = recording.task_rows(plan)
+    tasks = [emit_tasks.task(plan, task) for task in plan.tasks]
+    tasks = [t | {"recorded": recorded[t["name"]]} for t in tasks if t["is_replayed"]]
+    topics = [
+        {"name": topic.name, "floats": rows.log_floats(topic.message)}
+        for topic in plan.topics.values()
+    ]
+    parameters = rows.parameters(plan)
+    files["replay_tasks.hpp"] = _render("replay_tasks.hpp.j2", graph, tasks=tasks)
+    for task in tasks:
+        files[f"tasks/{task['name']}.cpp"] = _render("replay_task.cpp.j2", task["mark"], task=task)
+    files["replay.cpp"] = _render(
+        "replay.cpp.j2", graph, tasks=tasks, topics=topics, parameters=parameters
+    )
+    files["graph.cmake"] = _render("graph.cmake.j2", graph, **rows.replay_build(plan, files))
+    return files
+
+
+def _parts(plan: Plan) -> dict[str, str]:
+    """What nodes see: messages and ports."""
     files: dict[str, str] = {}
     for message in rows.messages(plan):
         files[f"messages/{message.header}.hpp"] = _render(
@@ -48,32 +120,6 @@ def emit(plan: Plan) -> dict[str, str]:
                 _start(interface.failsafe.file),
                 **rows.failsafe(interface.failsafe),
             )
-    graph = _start(plan.graph.file)
-    tasks = [emit_tasks.task(plan, task) for task in plan.tasks]
-    topics = [rows.topic(plan, topic) for topic in plan.topics.values()]
-    files["topics.hpp"] = _render("topics.hpp.j2", graph, topics=topics)
-    files["topics.cpp"] = _render("topics.cpp.j2", graph, topics=topics)
-    files["tasks.hpp"] = _render("tasks.hpp.j2", graph, tasks=tasks)
-    for task in tasks:
-        files[f"tasks/{task['name']}.cpp"] = _render("task.cpp.j2", task["mark"], task=task)
-    files["parameters.cpp"] = _render("parameters.cpp.j2", graph, nodes=rows.parameters(plan))
-    if plan.graph.modes is not None:
-        files["modes.cpp"] = _render("modes.cpp.j2", graph, modes=rows.modes(plan))
-    log = rows.log(plan)
-    if log is not None:
-        files["log_table.cpp"] = _render(
-            "log_table.cpp.j2", graph, log=log, graph=plan.graph.name, hash=graph_hash(plan)
-        )
-    if plan.board.executor == "cortex_m":
-        files |= _cortex_m(plan, tasks)
-    elif plan.board.executor == "pthread":
-        files |= _pthread(plan, tasks, topics)
-    elif plan.board.executor in EXECUTORS:
-        files["executor.cpp"] = _render(
-            f"executor_{plan.board.executor}.cpp.j2", graph, tasks=tasks, program=rows.program(plan)
-        )
-    files["plan.txt"] = plan_text(plan)
-    files["graph.cmake"] = _render("graph.cmake.j2", graph, **rows.build(plan, files))
     return files
 
 

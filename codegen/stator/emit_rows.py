@@ -252,7 +252,7 @@ def log(plan: Plan) -> Row | None:
                 "format": _log_format(t.message),
                 "interval_us": t.log_us,
                 "bytes": sum(field.bytes for field in _logged_fields(t.message)),
-                "floats": _log_floats(t.message),
+                "floats": log_floats(t.message),
             }
             for t in logged
         ],
@@ -276,7 +276,7 @@ def _log_format(message: Message) -> str:
     return "".join(parts)
 
 
-def _log_floats(message: Message) -> list[str]:
+def log_floats(message: Message) -> list[str]:
     runs: list[tuple[int, int, int]] = []  # offset, count, bytes of one
     offset = 0
     for field in message.fields:
@@ -333,24 +333,46 @@ def failsafe(table: Failsafe) -> Row:
 
 
 def build(plan: Plan, files: dict[str, str]) -> Row:
-    folders = {
-        node.interface.name: node.interface.file.parent
-        for node in plan.graph.nodes.values()
-        if node.device is None
-    }
+    folders = _app_folders(plan)
     for device in plan.board.devices.values():
         if device.driver != "none" and device.interface is not None:
             folder = device.interface.file.parent / device.driver.split("/")[1]
             folders[device.driver.replace("/", "_")] = folder
+    return _build(plan, files, folders) | {
+        "board": str(plan.board.file.parent),
+        "chip": "" if plan.board.chip is None else str(_chip_folder(plan)),
+        "executor": plan.board.executor,
+    }
+
+
+def replay_build(plan: Plan, files: dict[str, str]) -> Row:
+    """No driver and no logger; the executor brings its own program."""
+    folders = _app_folders(plan)
+    for node in plan.graph.nodes.values():
+        if node.interface.reads_log:
+            folders.pop(node.interface.name, None)
+    return _build(plan, files, folders) | {
+        "board": str(HOME / "runtime" / "replay"),
+        "chip": "",
+        "executor": "replay",
+    }
+
+
+def _app_folders(plan: Plan) -> dict[str, Path]:
+    return {
+        node.interface.name: node.interface.file.parent
+        for node in plan.graph.nodes.values()
+        if node.device is None
+    }
+
+
+def _build(plan: Plan, files: dict[str, str], folders: dict[str, Path]) -> Row:
     inputs = [*plan.graph.files, plan.board.file]
     return {
         "sources": [name for name in files if name.endswith(".cpp")],
         "libraries": [
             {"name": name, "folder": str(folder)} for name, folder in sorted(folders.items())
         ],
-        "board": str(plan.board.file.parent),
-        "chip": "" if plan.board.chip is None else str(_chip_folder(plan)),
-        "executor": plan.board.executor,
         "inputs": sorted({str(path) for path in inputs}),
         "home": str(HOME),
     }

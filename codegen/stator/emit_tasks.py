@@ -67,6 +67,7 @@ def task(plan: Plan, planned: Task) -> Row:
             for key, o in node.outputs.items()
         ],
         "reads_log": interface.reads_log,
+        "is_replayed": device is None and not interface.reads_log,
         "keeps_now": keeps_now,
         "is_gated": is_gated,
         "switches_mode": modes is not None and modes.publisher == node.name,

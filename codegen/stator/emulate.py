@@ -13,7 +13,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from stator.build import build_plant
+from stator.build import SLEEP, build_plant
 from stator.diagnostics import UserError
 from stator.firmware import build_image
 from stator.fly import (
@@ -23,6 +23,7 @@ from stator.fly import (
     flight_options,
     keep,
     progress,
+    recording_of,
     report,
 )
 from stator.library import HOME
@@ -63,7 +64,8 @@ def main(arguments: argparse.Namespace) -> int:
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     try:
         emulator = find_emulator()
-        image = build_image(arguments.graph, arguments.board, sleep=arguments.sleep)
+        variant = (SLEEP if arguments.sleep else {}) | recording_of(arguments)
+        image = build_image(arguments.graph, arguments.board, variant)
         plant = build_plant()
     except UserError as failed:
         print(failed, file=sys.stderr)
@@ -74,7 +76,7 @@ def main(arguments: argparse.Namespace) -> int:
         if finished.returncode != 0:
             print(finished.stderr.rstrip(), file=sys.stderr)
             return 2
-        facts = facts_of(finished, log, truth)
+        facts = facts_of(finished, log, truth, is_recorded=not arguments.no_record)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["emulator"] = emulator.version
     facts["missed_samples"] = json.loads(finished.stdout)["missed_samples"]

@@ -20,6 +20,9 @@ from stator.px4_file import write_px4
 if TYPE_CHECKING:
     from stator.plan import Plan
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
 TOOLS = "arm-none-eabi-"
 
 
@@ -32,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     try:
-        image = build_image(arguments.graph, arguments.board, sleep=arguments.sleep)
+        image = build_image(arguments.graph, arguments.board, SLEEP if arguments.sleep else {})
     except UserError as failed:
         print(failed, file=sys.stderr)
         return 2
@@ -56,9 +59,9 @@ def main(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def build_image(graph: Path, board: str | None, *, sleep: bool = False) -> Path:
+def build_image(graph: Path, board: str | None, variant: Mapping[str, str] | None = None) -> Path:
     """The graph's image for bare metal. Raises `BuildFailed` if it holds what no image may."""
-    image = build(graph, board, SLEEP if sleep else None, executor="cortex_m")
+    image = build(graph, board, variant, executor="cortex_m")
     faults = faults_of(image)
     if faults:
         raise BuildFailed("\n".join(f"error: {fault}" for fault in faults))

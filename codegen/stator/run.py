@@ -21,6 +21,7 @@ from stator.fly import (
     flight_rows,
     log_row,
     progress,
+    recording_of,
     show,
 )
 
@@ -50,7 +51,9 @@ def main(arguments: argparse.Namespace) -> int:
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     try:
-        program = build(arguments.graph, arguments.board, executor="pthread")
+        program = build(
+            arguments.graph, arguments.board, recording_of(arguments), executor="pthread"
+        )
         flies = _flies(arguments)
     except UserError as failed:
         print(failed, file=sys.stderr)
@@ -61,7 +64,7 @@ def main(arguments: argparse.Namespace) -> int:
     if finished.returncode == NOT_RUN:
         print(finished.stderr.rstrip(), file=sys.stderr)
         return NOT_RUN
-    facts = _facts(finished, log, truth, flies=flies)
+    facts = _facts(finished, log, truth, flies=flies, is_recorded=not arguments.no_record)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     if arguments.json:
         print(json.dumps(facts, indent=2))
@@ -115,9 +118,14 @@ def _run(
 
 
 def _facts(
-    finished: subprocess.CompletedProcess[str], log: Path, truth: Path, *, flies: bool
+    finished: subprocess.CompletedProcess[str],
+    log: Path,
+    truth: Path,
+    *,
+    flies: bool,
+    is_recorded: bool,
 ) -> dict[str, Any]:
-    facts: dict[str, Any] = facts_of(finished, log, truth, judges=flies)
+    facts: dict[str, Any] = facts_of(finished, log, truth, judges=flies, is_recorded=is_recorded)
     if finished.returncode < 0:
         return facts
     run = json.loads(finished.stdout)

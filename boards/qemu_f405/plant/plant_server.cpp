@@ -156,6 +156,9 @@ void print(const Server& server, double wall_s) {
     std::printf("{\"activations\": %llu, \"lost_samples\": %llu, \"missed_samples\": %llu, ",
                 wide(server.finished().activations), wide(server.finished().lost_samples),
                 wide(server.finished().missed_samples));
+    std::printf("\"preemptions\": %llu, \"unrecorded_activations\": %llu, ",
+                wide(server.finished().preemptions),
+                wide(server.finished().unrecorded_activations));
     board::print_flight_facts(server.world(), wall_s);
     std::puts("}");
 }

@@ -4,16 +4,10 @@
 
 #include <cstdint>
 
+#include "stator/recording.hpp"
 #include "stator/topic.hpp"
 
 namespace stator {
-
-// Consecutive numbers of one sample that may be NaN: logged NaNs are made canonical.
-struct LogFloats {
-    uint16_t offset;
-    uint16_t count;
-    uint8_t bytes;  // 4 or 8
-};
 
 // Where the logger stands in one topic.
 struct LogCursor {
@@ -27,7 +21,7 @@ struct LogTopic {
     const char* format;  // fields as ULog spells them
     const Topic* topic;
     LogCursor* cursor;
-    const LogFloats* floats;
+    const FloatRun* floats;
     uint16_t float_count;
     uint16_t bytes;        // of a sample, without padding at its end
     uint32_t interval_us;  // 0: every sample
@@ -45,8 +39,9 @@ struct LogTable {
     uint32_t topic_count;
     const LogParameter* parameters;
     uint32_t parameter_count;
-    const char* graph;       // name
-    const char* graph_hash;  // of what behaves; DESIGN 8
+    const char* graph;                          // name
+    const char* graph_hash;                     // of what behaves; DESIGN 8
+    const RecordingTable* recording = nullptr;  // none in a build that does not record
 };
 
 extern const LogTable log_table;  // generated, where the graph has a logger

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <new>
 
+#include "stator/recording.hpp"
 #include "stator/topic.hpp"
 
 namespace stator {
@@ -67,6 +68,8 @@ class Input {
     // --- for generated wrappers ---
     // `marks`: a publisher outranks the reader (topic.hpp).
 
+    // Where what this port takes is recorded; nothing in builds that do not record.
+    Tap& tap() { return tap_; }
     // Consumes the oldest unread sample, if there is one.
     [[gnu::always_inline]] void take_trigger(const Topic& topic, uint32_t& cursor,
                                              bool marks = true) {
@@ -112,7 +115,10 @@ class Input {
         if (!kTakesNeedSeen && __builtin_constant_p(is_asked_) && !is_asked_) return;
         if (seen_ != nullptr && sample_ != nullptr) *seen_ = number();
     }
-    void hold() { sample_ = static_cast<const Message*>(topic_->samples) + pin_.slot; }
+    void hold() {
+        sample_ = static_cast<const Message*>(topic_->samples) + pin_.slot;
+        if constexpr (kRecords) tap_.takes(number_of(*topic_, pin_));
+    }
     void drop() {
         if (sample_ != nullptr && topic_ != nullptr) release(*topic_, pin_, marks_);
         sample_ = nullptr;
@@ -134,6 +140,7 @@ class Input {
     bool is_new_ = false;
     bool is_consumed_ = false;
     mutable bool is_asked_ = false;
+    [[no_unique_address]] Tap tap_;
 };
 
 // One output of a node. May be unconnected: then publishing does nothing.
@@ -157,11 +164,13 @@ class Output {
         asm("" : "+r"(slot));  // one register reaches all fields: computed once
         Message* message = new (slot) Message(make());
         message->timestamp = now_us_;
-        commit(*topic_, loaned);
+        tap_.publishes(message, sizeof(Message));
+        tap_.published(commit(*topic_, loaned));
         activate(*topic_, now_us_);
     }
 
     // --- for generated wrappers ---
+    Tap& tap() { return tap_; }
     void connect(const Topic& topic, uint64_t now_us, bool keep) {
         topic_ = &topic;
         now_us_ = now_us;
@@ -172,6 +181,7 @@ class Output {
     const Topic* topic_ = nullptr;
     uint64_t now_us_ = 0;
     bool keep_ = false;
+    [[no_unique_address]] Tap tap_;
 };
 
 }  // namespace stator

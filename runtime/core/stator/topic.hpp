@@ -214,7 +214,7 @@ struct Loan {
 // topic has these three by itself, under its name: nothing else in an image raises BASEPRI.
 struct InSection {
     Loan (*loan)(const Topic& topic, bool keep);
-    void (*commit)(const Topic& topic, Loan loaned);
+    uint32_t (*commit)(const Topic& topic, Loan loaned);
     bool (*is_due)(const Topic& topic, const Thinned& thinned, uint64_t timestamp_us);
 };
 
@@ -237,7 +237,8 @@ struct InSection {
     return topic.ceiling != 0 ? topic.in_section->loan(topic, keep) : find_slot(topic, keep);
 }
 
-[[gnu::always_inline]] inline void append(const Topic& topic, Loan loaned) {
+// Returns the sample's number.
+[[gnu::always_inline]] inline uint32_t append(const Topic& topic, Loan loaned) {
     TopicState& state = *topic.state;
     const uint32_t head = state.head.load();
     const uint32_t mask = slot_mask(loaned.slot);
@@ -245,7 +246,7 @@ struct InSection {
     if (topic.depth == 1) {
         state.history.store(mask);
         state.head.store(head + 1);
-        return;
+        return head + 1;
     }
     const uint32_t last = 2U * topic.depth - 1;
     const uint32_t oldest = topic.ring[(head - topic.depth) & last].load();
@@ -253,21 +254,19 @@ struct InSection {
     topic.ring[head & last].store(mask);
     state.head.store(head + 1);
     state.history.store(history | mask);
+    return head + 1;
 }
-[[gnu::always_inline]] inline void commit_in_section(const Topic& topic, Loan loaned) {
+[[gnu::always_inline]] inline uint32_t commit_in_section(const Topic& topic, Loan loaned) {
     const Section section(topic.ceiling);
-    append(topic, loaned);
+    const uint32_t number = append(topic, loaned);
     topic.state->free.store(loaned.saved_free);
+    return number;
 }
 
 // Makes the sample the newest one. `head` is the one commit point for queue readers, `history` for
-// readers of the newest at depth 1.
-[[gnu::always_inline]] inline void commit(const Topic& topic, Loan loaned) {
-    if (topic.ceiling != 0) {
-        topic.in_section->commit(topic, loaned);
-    } else {
-        append(topic, loaned);
-    }
+// readers of the newest at depth 1. Returns the sample's number.
+[[gnu::always_inline]] inline uint32_t commit(const Topic& topic, Loan loaned) {
+    return topic.ceiling != 0 ? topic.in_section->commit(topic, loaned) : append(topic, loaned);
 }
 
 // Of 64 bits a division takes some hundred instructions: only after a pause.

@@ -196,9 +196,10 @@ inline Loan loan(const Topic& topic, bool /*keep*/) {
     fail("topic: no free slot");
 }
 
-// Makes the sample the newest one. All of it under one lock: a sequence number drawn outside goes
-// backwards, and `head` stored outside may end too low, so that the last sample is never seen.
-inline void commit(const Topic& topic, Loan loaned) {
+// Makes the sample the newest one, and returns its number. All of it under one lock: a sequence
+// number drawn outside goes backwards, and `head` stored outside may end too low, so that the last
+// sample is never seen.
+inline uint32_t commit(const Topic& topic, Loan loaned) {
     const Lock lock(topic.mutex);
     const uint32_t sequence = topic.state->head.load(std::memory_order_relaxed);
     std::atomic<uint64_t>& word = topic.ring[sequence & (topic.depth - 1U)].word;
@@ -212,6 +213,7 @@ inline void commit(const Topic& topic, Loan loaned) {
     }
     // After the exchange: else a reader finds an old entry, or an empty one.
     topic.state->head.store(sequence + 1, std::memory_order_release);
+    return sequence + 1;
 }
 
 // Pends the thinned subscribers that are due. Under the lock: two publishers would both pass.

@@ -29,8 +29,8 @@ stator_add_mutant(no_section_in_loan
     TO "    const Loan loaned"
     RUN --depth 1 "1w 2w 3r")
 stator_add_mutant(no_section_in_commit
-    FROM "    const Section section(topic.ceiling);\n    append"
-    TO "    append"
+    FROM "    const Section section(topic.ceiling);\n    const uint32_t number = append"
+    TO "    const uint32_t number = append"
     RUN --depth 1 "1w 2w")
 
 # --- order of the words ---

@@ -14,8 +14,8 @@ namespace count_parts {
 [[gnu::noinline]] Loan loan_in_section(const Topic&, bool keep) {
     return stator::loan_in_section(count, keep);
 }
-[[gnu::noinline]] void commit_in_section(const Topic&, Loan loaned) {
-    stator::commit_in_section(count, loaned);
+[[gnu::noinline]] uint32_t commit_in_section(const Topic&, Loan loaned) {
+    return stator::commit_in_section(count, loaned);
 }
 [[gnu::noinline]] bool is_due_in_section(const Topic&, const Thinned& thinned, uint64_t timestamp_us) {
     return stator::is_due_in_section(count, thinned, timestamp_us);

@@ -48,7 +48,7 @@ struct Storage {
 extern Storage storage;
 inline constexpr Pend subscribers[] = {{0, 0x2}};
 Loan loan_in_section(const Topic& topic, bool keep);
-void commit_in_section(const Topic& topic, Loan loaned);
+uint32_t commit_in_section(const Topic& topic, Loan loaned);
 bool is_due_in_section(const Topic& topic, const Thinned& thinned, uint64_t timestamp_us);
 inline constexpr InSection in_section{loan_in_section, commit_in_section, is_due_in_section};
 }  // namespace count_parts

@@ -1,0 +1,75 @@
+// The recording of a flight in its log: messages of type 'X', as docs/recording.md has them.
+// Readers of ULog skip messages of a type that they do not know.
+#include <algorithm>
+#include <cstring>
+
+#include "logger.hpp"
+
+namespace stator {
+
+namespace {
+
+constexpr char kRecording = 'X';
+constexpr size_t kHead = 4;         // bytes of such a message before its content
+constexpr size_t kLeastChunk = 32;  // less of a stream is not worth a message at the end of a block
+
+}  // namespace
+
+// What finds no room in this activation's blocks waits for the next one.
+void Logger::write_recording(LoggerPorts& ports) {
+    const RecordingTable& table = *ports.log->recording;
+    for (; recorded_ < table.definition_count && has_room(); ++recorded_) {
+        const char* text = table.definitions[recorded_];
+        const size_t bytes = std::strlen(text);
+        begin_recorded(ports, Kind::kDefinition, 0, bytes);
+        write(ports, text, bytes);
+    }
+    for (unsigned level = 0; level < table.stream_count; ++level) {
+        write_stream(ports, level);
+        write_gap(ports, level);
+    }
+    if (has_room()) write_check(ports);
+}
+
+void Logger::write_stream(LoggerPorts& ports, unsigned level) {
+    RecordStream& stream = *ports.log->recording->streams[level];
+    for (uint32_t left = stream.available(); left != 0 && has_room();) {
+        if (used_ + kHead + std::min<size_t>(left, kLeastChunk) > kBlockBytes) flush(ports);
+        const size_t room = kBlockBytes - used_ - kHead;
+        const auto bytes = stream.peek(static_cast<uint32_t>(std::min<size_t>(left, room)));
+        begin_recorded(ports, Kind::kStream, level, bytes.size());
+        write(ports, bytes.data(), bytes.size());
+        stream.take(static_cast<uint32_t>(bytes.size()));
+        left -= static_cast<uint32_t>(bytes.size());
+    }
+}
+
+void Logger::write_gap(LoggerPorts& ports, unsigned level) {
+    const uint32_t lost = ports.log->recording->streams[level]->lost();
+    if (lost == gaps_[level] || !has_room()) return;
+    gaps_[level] = lost;
+    begin_recorded(ports, Kind::kGap, level, sizeof lost);
+    write(ports, &lost, sizeof lost);
+}
+
+// Ends what one CRC covers: everything since the check before, this message's head included.
+void Logger::write_check(LoggerPorts& ports) {
+    begin_recorded(ports, Kind::kCheck, 0, sizeof crc_);
+    check_block();
+    write(ports, &crc_, sizeof crc_);
+    crc_ = 0;
+    checked_ = used_;
+}
+
+void Logger::begin_recorded(LoggerPorts& ports, Kind kind, unsigned level, size_t bytes) {
+    begin(ports, kRecording, sizeof kind + bytes);
+    const auto head = static_cast<uint8_t>(static_cast<unsigned>(kind) | level);
+    write(ports, &head, sizeof head);
+}
+
+void Logger::check_block() {
+    crc_ = crc32(crc_, block_ + checked_, used_ - checked_);
+    checked_ = used_;
+}
+
+}  // namespace stator

@@ -1,0 +1,66 @@
+// Replays the recording in a log with the graph that was built for this program, and prints what
+// came of it as JSON. Exit status: 0 it ran, whatever differs; 2 there is nothing to replay.
+#include <cstdio>
+#include <cstdlib>
+
+#include "run.hpp"
+
+namespace {
+
+using namespace stator::replay;
+
+void print_hex(const char* key, const std::vector<uint8_t>& bytes) {
+    std::printf(", \"%s\": \"", key);
+    for (const uint8_t byte : bytes) std::printf("%02x", byte);
+    std::printf("\"");
+}
+
+void print(const Recording& recording, const Difference& difference) {
+    const char* const kinds[] = {"value", "missing", "extra"};
+    std::printf(", \"first\": {\"kind\": \"%s\", \"topic\": \"%s\", \"number\": %u, ",
+                kinds[static_cast<int>(difference.kind)],
+                recording.topics[difference.topic].name.c_str(), difference.number);
+    std::printf("\"now_us\": %llu, \"recorded_crc\": %u, \"crc\": %u",
+                static_cast<unsigned long long>(difference.now_us), difference.recorded_crc,
+                difference.crc);
+    print_hex("recorded", difference.recorded);
+    print_hex("replayed", difference.replayed);
+    std::printf("}");
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    if (count != 3) {
+        std::fputs("error: wanted are a log, and how many of its bytes count\n", stderr);
+        return 2;
+    }
+    const auto recording = read_recording(arguments[1], std::strtoull(arguments[2], nullptr, 10));
+    if (!recording.has_value()) {
+        std::fprintf(stderr, "error: cannot read the recording in '%s'\n", arguments[1]);
+        return 2;
+    }
+    Replay replay(*recording);
+    if (!replay.scan()) {
+        std::fprintf(stderr, "error: the recording in '%s' makes no sense\n", arguments[1]);
+        return 2;
+    }
+    replay.run();
+    std::printf("{\"activations\": %llu, \"until_us\": %llu, \"topics\": {",
+                static_cast<unsigned long long>(replay.activations()),
+                static_cast<unsigned long long>(replay.until_us()));
+    const char* comma = "";
+    for (size_t i = 0; i < recording->topics.size(); ++i) {
+        const TopicResult& result = replay.results()[i];
+        if (result.compared + result.different == 0) continue;
+        std::printf("%s\"%s\": {\"compared\": %llu, \"different\": %llu}", comma,
+                    recording->topics[i].name.c_str(),
+                    static_cast<unsigned long long>(result.compared),
+                    static_cast<unsigned long long>(result.different));
+        comma = ", ";
+    }
+    std::printf("}");
+    if (replay.first().has_value()) print(*recording, *replay.first());
+    std::puts("}");
+    return 0;
+}

@@ -1,0 +1,299 @@
+// The order of activations does not matter as long as each finds what it took: they run by time,
+// the more urgent level first, and one that needs a sample that is not there yet has it made
+// before.
+#include "run.hpp"
+
+#include <cstring>
+#include <limits>
+#include <string_view>
+
+#include "stator/crc32.hpp"
+
+namespace stator::replay {
+
+namespace {
+
+template <class Row>
+const Row* find(const Row* rows, size_t count, std::string_view name) {
+    for (size_t i = 0; i < count; ++i) {
+        if (name == rows[i].name) return rows + i;
+    }
+    return nullptr;
+}
+
+}  // namespace
+
+// --- what an activation sees ---
+
+Job::Item* Job::next_item(unsigned tag) {
+    for (Item& item : items_) {
+        if (item.is_used || item.tag != tag) continue;
+        item.is_used = true;
+        return &item;
+    }
+    return nullptr;
+}
+
+Taken Job::take(unsigned tag) {
+    const Item* item = next_item(tag);
+    if (item == nullptr) return {};
+    const Port& port = replay_->recording_.tasks[task_].ports[tag - 1];
+    return {replay_->sample(port.topic, item->number), item->number};
+}
+
+void Job::publish(unsigned tag, void* message, size_t bytes) {
+    const Port& port = replay_->recording_.tasks[task_].ports[tag - 1];
+    const Topic* row = replay_->stores_[port.topic].row;
+    if (row != nullptr)
+        canonicalise(static_cast<std::byte*>(message), row->floats, row->float_count);
+    if (Item* item = next_item(tag)) return replay_->compare(*this, *item, port, message);
+    const auto* from = static_cast<const uint8_t*>(message);
+    replay_->differ({.kind = Difference::Kind::kExtra,
+                     .topic = port.topic,
+                     .number = replay_->tasks_[task_].numbers[tag - 1] + 1,
+                     .now_us = now_us_,
+                     .recorded_crc = 0,
+                     .crc = crc32(0, message, bytes),
+                     .recorded = {},
+                     .replayed = {from, from + bytes}});
+}
+
+// --- reading ---
+
+Replay::Replay(const Recording& recording)
+    : recording_(recording),
+      stores_(recording.topics.size()),
+      tasks_(recording.tasks.size()),
+      results_(recording.topics.size()) {
+    for (size_t i = 0; i < stores_.size(); ++i) {
+        stores_[i].row = find(program.topics, program.topic_count, recording.topics[i].name);
+    }
+    for (size_t i = 0; i < tasks_.size(); ++i) {
+        const Task* row = find(program.tasks, program.task_count, recording.tasks[i].name);
+        if (row != nullptr) tasks_[i].run = row->run;
+        tasks_[i].numbers.assign(recording.tasks[i].ports.size(), 0);
+    }
+    for (Level& level : levels_) level.seen.assign(tasks_.size(), 0);
+}
+
+bool Replay::scan() {
+    for (unsigned level = 0; level < kStreams; ++level) {
+        if (!scan_level(level)) return false;
+    }
+    for (TaskState& task : tasks_) {
+        task.numbers.assign(task.numbers.size(), 0);
+        task.now_us = 0;
+    }
+    return true;
+}
+
+// The last record may be cut.
+bool Replay::scan_level(unsigned level) {
+    const auto& stream = recording_.streams[level];
+    for (size_t at = 0; at < stream.size();) {
+        Reader reader(stream, at);
+        Job job;
+        if (!read(reader, job, true)) return reader.is_past_end();
+        tasks_[job.task_].activations.push_back({job.now_us_, at});
+        levels_[level].tasks.push_back(static_cast<uint32_t>(job.task_));
+        at = reader.at();
+    }
+    return true;
+}
+
+// One record. False if it is cut or makes no sense. In a scan, what it published gets its place.
+bool Replay::read(Reader& reader, Job& job, bool is_scan) {
+    job.replay_ = this;
+    job.task_ = reader.number();
+    if (reader.is_past_end() || job.task_ >= tasks_.size()) return false;
+    TaskState& task = tasks_[job.task_];
+    const std::vector<Port>& ports = recording_.tasks[job.task_].ports;
+    std::vector<uint32_t> numbers = task.numbers;
+    std::vector<const uint8_t*> samples;
+    for (uint64_t tag = reader.number(); tag != 0; tag = reader.number()) {
+        if (tag > ports.size()) return false;
+        const Port& port = ports[tag - 1];
+        Job::Item item{static_cast<uint8_t>(tag), false, 0, 0};
+        const uint8_t* whole = nullptr;
+        if (!port.is_input && port.is_whole) {
+            const size_t bytes = recording_.topics[port.topic].bytes;
+            whole = reader.skip(bytes);
+            if (whole != nullptr) item.crc = crc32(0, whole, bytes);
+        } else if (!port.is_input) {
+            item.crc = reader.word();
+        }
+        numbers[tag - 1] += static_cast<uint32_t>(reader.number());
+        item.number = numbers[tag - 1];
+        job.items_.push_back(item);
+        samples.push_back(whole);
+    }
+    job.fired_ = reader.number();
+    job.now_us_ = task.now_us + reader.number();
+    if (recording_.has_modes) reader.number();
+    for (size_t i = 0; job.is_anew() && i < ports.size(); ++i) {
+        if (ports[i].is_cursor) job.starts_.push_back(static_cast<uint32_t>(reader.number()));
+    }
+    if (reader.is_past_end()) return false;
+    task.numbers = numbers;
+    task.now_us = job.now_us_;
+    for (size_t i = 0; is_scan && i < job.items_.size(); ++i) {
+        keep(job.task_, job.items_[i].tag, job.items_[i].number, samples[i]);
+    }
+    return true;
+}
+
+void Replay::keep(size_t task, unsigned tag, uint32_t number, const uint8_t* whole) {
+    const Port& port = recording_.tasks[task].ports[tag - 1];
+    if (port.is_input) return;
+    const size_t bytes = recording_.topics[port.topic].bytes;
+    Store& store = stores_[port.topic];
+    if (store.states.size() <= number) {
+        store.states.resize(number + 1, State::kBeyond);
+        store.producers.resize(number + 1, 0);
+        store.samples.resize(bytes * (number + 1));
+    }
+    store.states[number] = whole == nullptr ? State::kRecorded : State::kMade;
+    store.producers[number] = static_cast<uint32_t>(task);
+    if (whole != nullptr) std::memcpy(slot(port.topic, number), whole, bytes);
+}
+
+uint8_t* Replay::slot(size_t topic, uint32_t number) {
+    return stores_[topic].samples.data() + recording_.topics[topic].bytes * number;
+}
+
+// --- running ---
+
+void Replay::run() {
+    while (levels_[0].next != levels_[0].tasks.size()) run_head(levels_[0]);  // before all others
+    while (Level* next = earliest()) run_head(*next);
+}
+
+Replay::Level* Replay::earliest() {
+    Level* found = nullptr;
+    uint64_t found_us = 0;
+    for (size_t i = kStreams; i-- > 0;) {
+        Level& level = levels_[i];
+        if (level.next == level.tasks.size()) continue;
+        const uint32_t task = level.tasks[level.next];
+        const uint64_t now_us = tasks_[task].activations[level.seen[task]].now_us;
+        if (found != nullptr && now_us >= found_us) continue;
+        found = &level;
+        found_us = now_us;
+    }
+    return found;
+}
+
+void Replay::run_head(Level& level) {
+    const uint32_t task = level.tasks[level.next++];
+    // It may have run already, as somebody needed what it published.
+    if (tasks_[task].next == level.seen[task]++) run_next(task);
+}
+
+void Replay::run_next(size_t index) {
+    TaskState& task = tasks_[index];
+    const Activation& activation = task.activations[task.next++];
+    Reader reader(recording_.streams[recording_.tasks[index].level], activation.at);
+    Job job;
+    if (!read(reader, job, false) || task.run == nullptr) return;
+    task.is_over = task.is_over || needs_more_than_there_is(job);
+    if (!task.is_over) {
+        ++activations_;
+        task.run(job);
+    }
+    conclude(job, !task.is_over);
+}
+
+// The streams of the levels end at different times; the recording's end is no difference.
+bool Replay::needs_more_than_there_is(const Job& job) const {
+    for (const Job::Item& item : job.items_) {
+        const Port& port = recording_.tasks[job.task_].ports[item.tag - 1];
+        if (!port.is_input) continue;
+        const Store& store = stores_[port.topic];
+        if (item.number >= store.states.size()) return true;
+        if (store.states[item.number] == State::kBeyond) return true;
+        if (store.states[item.number] == State::kRecorded &&
+            tasks_[store.producers[item.number]].is_over) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// What was recorded and did not come again.
+void Replay::conclude(Job& job, bool is_run) {
+    for (const Job::Item& item : job.items_) {
+        const Port& port = recording_.tasks[job.task_].ports[item.tag - 1];
+        if (port.is_input || item.is_used) continue;
+        State& state = stores_[port.topic].states[item.number];
+        if (!is_run) {
+            if (state == State::kRecorded) state = State::kBeyond;
+            continue;
+        }
+        if (state == State::kRecorded) state = State::kMissing;
+        differ({.kind = Difference::Kind::kMissing,
+                .topic = port.topic,
+                .number = item.number,
+                .now_us = job.now_us_,
+                .recorded_crc = item.crc,
+                .crc = 0,
+                .recorded = {},
+                .replayed = {}});
+    }
+}
+
+// Makes the sample if nobody has come to that yet. Null: the replay has none of that number.
+const void* Replay::sample(size_t topic, uint32_t number) {
+    Store& store = stores_[topic];
+    if (number >= store.states.size()) return nullptr;
+    TaskState& producer = tasks_[store.producers[number]];
+    while (store.states[number] == State::kRecorded &&
+           producer.next < producer.activations.size()) {
+        run_next(store.producers[number]);
+    }
+    return store.states[number] == State::kMade ? slot(topic, number) : nullptr;
+}
+
+void Replay::compare(Job& job, Job::Item& item, const Port& port, const void* message) {
+    const size_t bytes = recording_.topics[port.topic].bytes;
+    const uint32_t crc = crc32(0, message, bytes);
+    ++results_[port.topic].compared;
+    uint8_t* place = slot(port.topic, item.number);
+    if (crc != item.crc) {
+        const auto* from = static_cast<const uint8_t*>(message);
+        std::vector<uint8_t> recorded;
+        if (port.is_whole) recorded.assign(place, place + bytes);
+        differ({.kind = Difference::Kind::kValue,
+                .topic = port.topic,
+                .number = item.number,
+                .now_us = job.now_us_,
+                .recorded_crc = item.crc,
+                .crc = crc,
+                .recorded = recorded,
+                .replayed = {from, from + bytes}});
+    }
+    if (port.is_whole) return;  // the recording's own sample stays
+    std::memcpy(place, message, bytes);
+    stores_[port.topic].states[item.number] = State::kMade;
+}
+
+void Replay::differ(Difference difference) {
+    ++results_[difference.topic].different;
+    if (!first_.has_value()) first_ = std::move(difference);
+}
+
+uint64_t Replay::until_us() const {
+    uint64_t until_us = std::numeric_limits<uint64_t>::max();
+    for (size_t i = 1; i < kStreams; ++i) {
+        if (levels_[i].tasks.empty()) continue;
+        uint64_t last_us = 0;
+        for (size_t task = 0; task < tasks_.size(); ++task) {
+            if (recording_.tasks[task].level != i || tasks_[task].activations.empty()) continue;
+            const uint64_t us = tasks_[task].activations.back().now_us;
+            if (us > last_us) last_us = us;
+        }
+        if (last_us < until_us) until_us = last_us;
+    }
+    return until_us == std::numeric_limits<uint64_t>::max() ? 0 : until_us;
+}
+
+}  // namespace stator::replay
