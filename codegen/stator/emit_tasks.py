@@ -180,7 +180,8 @@ def _state(row: Row) -> list[str]:
     fields += [f"uint32_t {i['name']}_served" for i in row["thinned"]]
     if row["is_gated"]:
         fields.append("ModeGate gate")
-        fields += [f"uint32_t {name}_start" for name in _started(row)]
+        # Shared: with threads, the next switch may come while the task begins.
+        fields += [f"Shared<uint32_t> {name}_start" for name in _started(row)]
     return fields
 
 
@@ -197,21 +198,21 @@ def _started(row: Row) -> list[str]:
 
 def _starts(row: Row) -> list[str]:
     heads = [
-        f"state.{i['name']}_start = topics::{i['topic']}.state->head.load();"
+        f"state.{i['name']}_start.store(topics::{i['topic']}.state->head.load());"
         for i in [*row["triggers"], *row["queues"]]
     ]
     fires = [(i["name"], f"thinned_{i['topic']}") for i in row["thinned"]]
     fires += [(timer["name"], timer["name"]) for timer in row["timers"]]
-    return heads + [f"state.{name}_start = state.{of}.fires.load();" for name, of in fires]
+    return heads + [f"state.{name}_start.store(state.{of}.fires.load());" for name, of in fires]
 
 
 def _anew(row: Row) -> list[str]:
     begun = [f"{i['name']}_number" for i in [*row["triggers"], *row["queues"]]]
-    lines = [f"state.{name} = state.{name.removesuffix('number')}start;" for name in begun]
+    lines = [f"state.{name} = state.{name.removesuffix('number')}start.load();" for name in begun]
     lines += [f"state.{name} = 0;" for name in _numbers(row) if name not in begun]
-    lines += [f"state.{i['name']}_served = state.{i['name']}_start;" for i in row["thinned"]]
+    lines += [f"state.{i['name']}_served = state.{i['name']}_start.load();" for i in row["thinned"]]
     lines += [
-        f"skip_to(state.{t['name']}, state.{t['name']}_start, {t['period_us']});"
+        f"skip_to(state.{t['name']}, state.{t['name']}_start.load(), {t['period_us']});"
         for t in row["timers"]
     ]
     return lines

@@ -1,5 +1,5 @@
 // Queue readers at every depth: order, completeness, losses, numbers across wrap-around.
-#include "program.hpp"
+#include "topic_rig.hpp"
 
 namespace stator {
 namespace {

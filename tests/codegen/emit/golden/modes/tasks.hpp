@@ -11,7 +11,7 @@ struct State {
     TimerState every_0;
     uint32_t params_number;
     ModeGate gate;
-    uint32_t every_0_start;
+    Shared<uint32_t> every_0_start;
 };
 extern State state;
 void run();
@@ -37,7 +37,7 @@ struct State {
     TimerState every_0;
     uint32_t params_number;
     ModeGate gate;
-    uint32_t every_0_start;
+    Shared<uint32_t> every_0_start;
 };
 extern State state;
 void run();

@@ -16,7 +16,7 @@ void begin_anew(uint32_t epoch) {
     state.gate.seen = epoch;
     node = Counter();
     state.params_number = 0;
-    skip_to(state.every_0, state.every_0_start, 10000);
+    skip_to(state.every_0, state.every_0_start.load(), 10000);
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ void disable() {
 }
 
 void enable() {
-    state.every_0_start = state.every_0.fires.load();
+    state.every_0_start.store(state.every_0.fires.load());
     state.gate.epoch.store(state.gate.epoch.load() + 1);
     set_pending(kPend);  // a sample since `start` may have had its pend dropped
 }

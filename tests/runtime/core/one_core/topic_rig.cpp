@@ -1,5 +1,5 @@
 // The smallest program for the virtual executor: three tasks on three levels, no timer, no device.
-#include "program.hpp"
+#include "topic_rig.hpp"
 
 namespace stator {
 

@@ -1,0 +1,155 @@
+// Levels as threads: order inside a level, pends that must not get lost, releases, start and end.
+#include <csignal>
+#include <filesystem>
+#include <thread>
+
+#include "program.hpp"
+
+namespace stator {
+namespace {
+
+using testing::jobs;
+using testing::kPends;
+using testing::wait_for;
+
+class LevelTest : public ::testing::Test {};
+
+std::ptrdiff_t threads() {
+    namespace fs = std::filesystem;
+    return std::distance(fs::directory_iterator("/proc/self/task"), fs::directory_iterator());
+}
+
+TEST_F(LevelTest, tasks_of_a_level_run_in_planned_order_and_to_completion) {
+    std::string order;
+    jobs[3] = [&] {
+        order += "b";
+        if (order.size() == 6) return;
+        set_pending(kPends[3]);
+        set_pending(kPends[2]);
+    };
+    jobs[2] = [&] { order += "a"; };
+    set_pending(kPends[3]);
+    set_pending(kPends[2]);
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(wait_until_idle(testing::kForever_us));
+    EXPECT_TRUE(finish());
+    EXPECT_EQ(order, "ababab") << "the first bit first, peers after the job";
+}
+
+// Each pend comes after a count; whoever is pended last sees the last count.
+TEST_F(LevelTest, no_pend_is_lost) {
+    constexpr unsigned kCount = 50'000;
+    std::atomic<unsigned> published{0};
+    unsigned seen = 0;
+    unsigned activations = 0;
+    jobs[0] = [&] {
+        seen = published.load(std::memory_order_relaxed);
+        ++activations;
+    };
+    ASSERT_TRUE(start());
+    std::thread others[2];
+    for (std::thread& other : others) {
+        other = std::thread([&] {
+            for (unsigned i = 0; i < kCount; ++i) {
+                published.fetch_add(1, std::memory_order_relaxed);
+                set_pending(kPends[0]);
+            }
+        });
+    }
+    for (std::thread& other : others) other.join();
+    ASSERT_TRUE(wait_until_idle(testing::kForever_us));
+    EXPECT_EQ(seen, 2 * kCount);
+    EXPECT_LE(activations, 2 * kCount);
+    EXPECT_TRUE(finish());
+}
+
+// From level to level and back, so that each falls asleep again and again.
+TEST_F(LevelTest, levels_that_wake_each_other_come_to_no_standstill) {
+    constexpr unsigned kRounds = 5'000;
+    unsigned rounds = 0;
+    jobs[0] = [&] { set_pending(kPends[5]); };
+    jobs[5] = [&] {
+        if (++rounds < kRounds) set_pending(kPends[0]);
+    };
+    ASSERT_TRUE(start());
+    set_pending(kPends[0]);
+    ASSERT_TRUE(wait_until_idle(testing::kForever_us));
+    EXPECT_TRUE(finish());
+    EXPECT_EQ(rounds, kRounds);
+    EXPECT_GE(facts_of_level(0).wakes + facts_of_level(2).wakes, 1U);
+}
+
+TEST_F(LevelTest, every_release_is_served_or_counted) {
+    unsigned activations = 0;
+    jobs[4] = [&] {
+        if (!served_now(testing::timer_state, 1000)) return;
+        EXPECT_EQ(nominal_time_us(testing::timer_state, 1000, 0) % 1000, 0U);
+        EXPECT_LE(nominal_time_us(testing::timer_state, 1000, 0), clock_us());
+        if (++activations % 10 == 0) sleep_until_us(clock_us() + 3'500);
+    };
+    ASSERT_TRUE(start());
+    EXPECT_EQ(wait_until(200'000), Ending::kTime);
+    EXPECT_TRUE(finish());
+    EXPECT_GT(testing::timer_state.missed, 0U);
+    EXPECT_EQ(activations + testing::timer_state.missed, testing::timer_state.fires.load());
+    // Absolute: those of 0 to 200 ms, whatever was late; some more until it had ended.
+    EXPECT_GE(testing::timer_state.fires.load(), 201U);
+}
+
+TEST_F(LevelTest, what_is_pending_at_the_end_still_runs) {
+    unsigned runs = 0;
+    jobs[0] = [&] { set_pending(kPends[5]); };
+    jobs[5] = [&] {
+        sleep_until_us(clock_us() + 20'000);
+        ++runs;
+    };
+    ASSERT_TRUE(start());
+    set_pending(kPends[0]);
+    EXPECT_TRUE(finish());
+    EXPECT_EQ(runs, 1U);
+}
+
+TEST_F(LevelTest, no_thread_is_left) {
+    std::thread([] {}).join();  // makes the sanitizer start its own
+    const std::ptrdiff_t before = threads();
+    ASSERT_TRUE(start());
+    EXPECT_EQ(threads(), before + 4);
+    EXPECT_TRUE(finish());
+    EXPECT_EQ(threads(), before);
+}
+
+TEST_F(LevelTest, a_signal_ends_the_wait) {
+    ASSERT_TRUE(start());
+    kill(getpid(), SIGTERM);
+    EXPECT_EQ(wait_until(testing::kForever_us), Ending::kSignal);
+    EXPECT_EQ(ending_signal(), SIGTERM);
+    EXPECT_TRUE(finish());
+}
+
+TEST_F(LevelTest, a_task_ends_the_wait) {
+    jobs[5] = [] { stop(); };
+    set_pending(kPends[5]);
+    ASSERT_TRUE(start());
+    EXPECT_EQ(wait_until(testing::kForever_us), Ending::kStopped);
+    EXPECT_TRUE(finish());
+}
+
+// Self-made: a task that pends itself for ever. The end comes all the same, and says so.
+TEST_F(LevelTest, what_does_not_come_to_rest_is_told) {
+    std::atomic<bool> goes_on{true};
+    jobs[5] = [&] {
+        if (goes_on) set_pending(kPends[5]);
+        sleep_until_us(clock_us() + 100);
+    };
+    set_pending(kPends[5]);
+    ASSERT_TRUE(start());
+    std::thread later([&] {
+        sleep_until_us(clock_us() + 1'500'000);
+        goes_on = false;
+    });
+    EXPECT_FALSE(finish());
+    later.join();
+}
+
+}  // namespace
+}  // namespace stator

@@ -1,0 +1,109 @@
+// What is particular to the ring between threads: its words, and what each race may do to it. Races
+// are made by hand here, step by step; the stress makes them by chance.
+#include "topic_rig.hpp"
+
+namespace stator {
+namespace {
+
+using testing::publish;
+using testing::Reading;
+using testing::TopicOf;
+
+class Ring : public testing::TopicTest {};
+
+TEST_F(Ring, an_entry_holds_sequence_slot_and_readers) {
+    const uint64_t entry = entry_of(0xFFFFFFFFU, 254) + 3 * kOneReader;
+    EXPECT_EQ(sequence_of(entry), 0xFFFFFFFFU);
+    EXPECT_EQ(slot_of(entry), 254);
+    EXPECT_EQ(readers_of(entry), 3U);
+    // 2^24 readers of one sample: the count begins anew, and touches neither slot nor sequence.
+    const uint64_t wrapped = entry_of(7, 5) + (uint64_t{kReaderMask} + 1) * kOneReader;
+    EXPECT_EQ(wrapped, entry_of(7, 5));
+    static_assert(sizeof(RingEntry) == 8 && std::atomic<uint64_t>::is_always_lock_free);
+}
+
+// Parameters are published once and read for ever: the count of readers wraps.
+TEST_F(Ring, a_sample_that_is_never_replaced_is_read_beyond_the_count) {
+    TopicOf<Reading, 1, 3> topic;
+    publish(topic.topic, Reading{0, 1, 0}, 0);
+    const uint8_t slot = slot_of(topic.ring[0].word.load());
+    topic.ring[0].word.fetch_add((kReaderMask - 5) * kOneReader);  // so many have read already
+    topic.users[slot].done.fetch_add(kReaderMask - 5);
+    for (uint32_t i = 0; i < 20; ++i) {
+        Pin pin;
+        ASSERT_TRUE(take_latest(topic.topic, 1, pin));
+        release(topic.topic, pin);
+    }
+    EXPECT_TRUE(topic.is_idle());
+    publish(topic.topic, Reading{0, 2, 0}, 0);
+    publish(topic.topic, Reading{0, 3, 0}, 0);
+    EXPECT_TRUE(topic.is_idle());
+}
+
+// Between the exchange and the store of `head` a reader may be ahead of `head` by one.
+TEST_F(Ring, a_reader_ahead_of_head_goes_neither_back_nor_on) {
+    TopicOf<Reading, 2, 5> topic;
+    for (uint32_t i = 1; i <= 3; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
+    topic.state.head.store(2);  // as if the third commit were not quite done
+    uint32_t cursor = 3;
+    uint32_t lost = 0;
+    Pin pin;
+    EXPECT_FALSE(has_unread(topic.topic, cursor));
+    EXPECT_FALSE(take_next(topic.topic, cursor, lost, pin));
+    ASSERT_TRUE(take_latest(topic.topic, 3, pin));
+    EXPECT_EQ(pin.number, 3U);
+    release(topic.topic, pin);
+    ASSERT_TRUE(take_latest(topic.topic, 2, pin)) << "who has not seen the third";
+    EXPECT_EQ(pin.number, 2U);
+    release(topic.topic, pin);
+    topic.state.head.store(3);
+    EXPECT_TRUE(topic.is_idle());
+}
+
+// A reader that read `head` and then was overtaken gets a later sample, and says what it lost.
+TEST_F(Ring, an_overtaken_reader_counts_its_losses) {
+    TopicOf<Reading, 2, 5> topic;
+    for (uint32_t i = 1; i <= 5; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
+    topic.state.head.store(3);  // what the reader still sees
+    uint32_t cursor = 1;
+    uint32_t lost = 0;
+    Pin pin;
+    ASSERT_TRUE(take_next(topic.topic, cursor, lost, pin));
+    EXPECT_EQ(pin.number, 4U);  // number 2 was replaced by it
+    EXPECT_EQ(lost, 2U);
+    EXPECT_EQ(cursor, 4U);
+    release(topic.topic, pin);
+    topic.state.head.store(5);
+}
+
+TEST_F(Ring, a_slot_on_loan_is_given_to_nobody_else) {
+    TopicOf<Reading, 1, 3, 2> topic;
+    const Loan first = loan(topic.topic, true);
+    const Loan second = loan(topic.topic, true);
+    EXPECT_NE(first.slot, second.slot);
+    commit(topic.topic, second);
+    commit(topic.topic, first);
+    Pin pin;
+    ASSERT_TRUE(take_latest(topic.topic, 0, pin));
+    EXPECT_EQ(pin.slot, first.slot) << "the last one to commit is the newest";
+    EXPECT_EQ(pin.number, 2U);
+    release(topic.topic, pin);
+    EXPECT_TRUE(topic.is_idle());
+}
+
+// D + one pin for each reading level + one loan: enough, and one less is not.
+TEST_F(Ring, the_slots_are_enough_and_all_needed) {
+    TopicOf<Reading, 2, 5> topic;  // two readers, one publisher
+    Pin pins[2];
+    for (Pin& pin : pins) {
+        for (uint32_t i = 0; i < 2; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
+        ASSERT_TRUE(take_latest(topic.topic, 0, pin));
+    }
+    for (uint32_t i = 0; i < 20; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
+    topic.topic.slots = 4;
+    EXPECT_DEATH(publish(topic.topic, Reading{}, 0), "no free slot");
+    for (const Pin& pin : pins) release(topic.topic, pin);
+}
+
+}  // namespace
+}  // namespace stator

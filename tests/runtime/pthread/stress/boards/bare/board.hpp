@@ -1,0 +1,4 @@
+// No device to connect.
+#pragma once
+
+#include "stator/pthread.hpp"
