@@ -172,4 +172,20 @@ def _edit() -> list[Figure]:
     return [Figure("one number edited, until it has flown", seconds, "s", "under 10", seconds < 10)]
 
 
-BENCHMARKS = {"fly": _fly, "topics": _topics, "check": _check, "edit": _edit}
+def _counts() -> list[Figure]:
+    """Instructions in QEMU: no times (docs/emulation.md)."""
+    from stator.counts import counts
+
+    return [
+        Figure(
+            what,
+            most,
+            "instr." if least == most else f"instr., at least {least}",
+            "to compare" if bound is None else f"at most {bound}",
+            least == most and (bound is None or most <= bound),
+        )
+        for what, least, most, bound in counts()
+    ]
+
+
+BENCHMARKS = {"fly": _fly, "topics": _topics, "check": _check, "edit": _edit, "counts": _counts}

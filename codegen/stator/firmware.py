@@ -14,7 +14,7 @@ from stator.build import SLEEP, build
 from stator.cli import make_buildable_plan, path
 from stator.diagnostics import BuildFailed, UserError, shown_path
 from stator.graph_hash import graph_hash
-from stator.image_checks import faults_of
+from stator.image_checks import faults_of, sections_of
 from stator.px4_file import write_px4
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ def main(arguments: argparse.Namespace) -> int:
     files = image_files(make_buildable_plan(str(arguments.graph), arguments.board), image)
     sizes = sizes_of(image)
     total = total_of(image)
+    sections = sections_of(image)
     if arguments.json:
         facts: dict[str, object] = {key: str(file) for key, file in files.items()}
         facts |= {"flash_bytes": total[0], "ram_bytes": total[1]}
@@ -49,12 +50,16 @@ def main(arguments: argparse.Namespace) -> int:
             name: dict(zip(("flash_bytes", "ram_bytes"), size, strict=True))
             for name, size in sizes.items()
         }
+        facts["sections"] = sections
         print(json.dumps(facts, indent=2))
         return 0
     width = max(map(len, sizes))
     print(f"{'':{width}}  {'flash':>8}  {'ram':>8}")
     for name, size in [*sizes.items(), ("image", total)]:
         print(f"{name:{width}}  {size[0]:8,}  {size[1]:8,}")
+    for topic, operations in sections.items():
+        longest = ", ".join(f"{name} {count}" for name, count in operations.items())
+        print(f"masks its publishers' levels: {topic}, instructions: {longest}")
     print("\n".join(f"{shown_path(file)}" for file in files.values()))
     return 0
 

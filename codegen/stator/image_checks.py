@@ -88,6 +88,54 @@ def _instruction_faults(image: Path) -> list[str]:
     return faults
 
 
+def sections_of(image: Path) -> dict[str, dict[str, int]]:
+    """Topic -> operation -> the most instructions with BASEPRI raised, on any way through it."""
+    found: dict[str, dict[str, int]] = {}
+    code = _run("objdump", "-d", "-C", "--no-show-raw-insn", str(image))
+    for text in code.split("\n\n"):
+        head, _, body = text.partition("\n")
+        start = FUNCTION.match(head)
+        name = SECTION.match(start.group(1)) if start else None
+        if name:
+            found.setdefault(name["topic"], {})[name["operation"]] = _longest_section(body)
+    return {topic: dict(sorted(found[topic].items())) for topic in sorted(found)}
+
+
+_INSTRUCTION = re.compile(r"^ *([0-9a-f]+):\t(\S+)(?:\t(.*))?$")
+_BRANCH = re.compile(r"^(b|cbn?z)(eq|ne|cs|cc|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)?(\.[nw])?$")
+_ENDS = ("bl", "bx", "pop", "udf", ".word")  # inside a section a call is that of `fail`
+
+
+def _longest_section(body: str) -> int:
+    """From the write that raises BASEPRI to the one that restores it, over all branches."""
+    lines = [match.groups() for match in map(_INSTRUCTION.match, body.splitlines()) if match]
+    index = {int(at, 16): i for i, (at, _, _) in enumerate(lines)}
+
+    def longest(i: int, depth: int) -> int:
+        if i >= len(lines) or depth > len(lines):
+            return 0
+        _, name, operands = lines[i]
+        if name == "msr" and (operands or "").upper().startswith("BASEPRI,"):
+            return 1
+        if name in _ENDS:
+            return 0
+        next_ones = [i + 1]
+        branch = _BRANCH.match(name)
+        if branch:
+            target = index[int((operands or "").split("<")[0].split(",")[-1].strip(), 16)]
+            always = branch[1] == "b" and branch[2] is None
+            next_ones = [target] if always else [i + 1, target]
+        ways = [longest(n, depth + 1) for n in next_ones]
+        return max(ways) + 1 if max(ways) else 0
+
+    raised = [
+        i
+        for i, (_, name, operands) in enumerate(lines)
+        if name == "msr" and (operands or "").upper().startswith("BASEPRI_MAX")
+    ]
+    return max((longest(i + 1, 0) for i in raised), default=0)
+
+
 def _run(tool: str, *arguments: str) -> str:
     return subprocess.run(
         [TOOLS + tool, *arguments], check=True, capture_output=True, text=True

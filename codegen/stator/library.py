@@ -74,10 +74,13 @@ class Library:
         return result
 
     def chips(self, board: Path) -> dict[str, Path]:
-        """Those that this board may name, by their path below boards/."""
-        folder = board.parents[1]
-        found = sorted(path for path in folder.glob("*/*.yaml") if path.name != "board.yaml")
-        return {str(path.relative_to(folder).with_suffix("")): path for path in found}
+        """Those that this board may name, by their path below boards/: beside it, then our own."""
+        found: dict[str, Path] = {}
+        for folder in (board.parents[1], HOME / "boards"):
+            for path in sorted(folder.glob("*/*.yaml")):
+                if path.name != "board.yaml":
+                    found.setdefault(str(path.relative_to(folder).with_suffix("")), path)
+        return found
 
     def read(self, path: Path, shape: Shape) -> Record | None:
         """A file in the given shape; None after saying what is wrong with it."""

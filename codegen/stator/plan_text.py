@@ -27,7 +27,7 @@ def plan_text(plan: Plan) -> str:
         "",
         *_table(
             [
-                ("topic", "message", "bytes", "depth", "slots", "log"),
+                ("topic", "message", "bytes", "depth", "slots", "masks", "log"),
                 *(_topic(topic) for topic in plan.topics.values()),
             ]
         ),
@@ -66,6 +66,7 @@ def _topic(topic: TopicPlan) -> tuple[str, ...]:
         str(topic.message.bytes * topic.slots),
         str(topic.depth),
         str(topic.slots),
+        f"levels to {topic.ceiling}" if topic.ceiling else "nothing",
         log,
     )
 

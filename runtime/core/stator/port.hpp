@@ -41,7 +41,10 @@ class Input {
         return seen_ == nullptr ? is_new_ : number() != *seen_;
     }
     // Samples that passed unread since the one seen before; in a queue input, summed over `next()`.
-    uint32_t lost() const { return is_new() && seen_ != nullptr ? number() - *seen_ - 1 : lost_; }
+    uint32_t lost() const {
+        is_asked_ = true;
+        return passed();
+    }
     // Number of the sample on its topic, from 1, modulo 2^32; 0 without a sample.
     uint32_t number() const {
         return sample_ == nullptr || topic_ == nullptr ? 0 : number_of(*topic_, pin_);
@@ -100,15 +103,21 @@ class Input {
     }
     // Lets a sample go that is older than the graph allows.
     [[gnu::always_inline]] void limit_age(uint64_t now_us, uint32_t max_age_us) {
+        if (sample_ == nullptr || max_age_us == kNoAgeLimit) return;
         now_us_ = now_us;
         max_age_us_ = max_age_us;
-        if (sample_ == nullptr || young_enough()) return;
-        lost_ = lost();
-        note_seen();
+        if (young_enough()) return;
+        lost_ = passed();
+        if (seen_ != nullptr) *seen_ = number();
         drop();
     }
 
   private:
+    uint32_t passed() const {
+        if (seen_ == nullptr || sample_ == nullptr) return lost_;
+        const uint32_t count = number() - *seen_;
+        return count == 0 ? 0 : count - 1;
+    }
     // Does nothing where the compiler sees that the node never asks what is new: there the number
     // is of no use.
     void note_seen() {
@@ -120,7 +129,9 @@ class Input {
         if constexpr (kRecords) tap_.takes(number_of(*topic_, pin_));
     }
     void drop() {
-        if (sample_ != nullptr && topic_ != nullptr) release(*topic_, pin_, marks_);
+        // On one core the newest is let go without a test whether there was one.
+        const bool is_taken = (!kTakesNeedSeen && seen_ != nullptr) || sample_ != nullptr;
+        if (topic_ != nullptr && is_taken) release(*topic_, pin_, marks_);
         sample_ = nullptr;
     }
     bool young_enough() const {

@@ -129,11 +129,13 @@ inline uint32_t number_of(const Topic& topic, const Pin& pin) {
 // On one core, no take is older than the one before, so that nobody tells what was seen.
 inline constexpr bool kTakesNeedSeen = false;
 
-// Takes the newest sample. False if there is none yet: then nothing is held.
+// Takes the newest sample. False if there is none yet: then nothing is held, and what was saved may
+// be put back all the same.
 // Constant time; any context above hardware priority 0.
 [[gnu::always_inline]] inline bool take_latest(const Topic& topic, uint32_t /*seen*/, Pin& pin,
                                                bool marks = true) {
     TopicState& state = *topic.state;
+    if (marks) pin.saved_free = state.free.load();
     uint32_t mask = state.history.load();
     if (mask == 0) return false;
     if (topic.depth != 1) {
@@ -142,7 +144,6 @@ inline constexpr bool kTakesNeedSeen = false;
     }
     pin.slot = static_cast<uint32_t>(std::countl_zero(mask));
     if (!marks) return true;
-    pin.saved_free = state.free.load();
     state.free.store(pin.saved_free & ~mask);
     return true;
 }

@@ -41,27 +41,22 @@ constexpr uint32_t hardware_priority(unsigned level) {
     return (16U - level) << 4;
 }
 
-// Keeps the levels up to `ceiling` out by BASEPRI; 0 keeps out nobody. PRIMASK is never used, so
+// Keeps the levels up to `ceiling`, which is at least 1, out by BASEPRI. PRIMASK is never used, so
 // that hardware priority 0 always gets in.
 class Section {
   public:
-    explicit Section(unsigned ceiling) : ceiling_(ceiling) {
-        if (ceiling_ == 0) return;
+    [[gnu::always_inline]] explicit Section(unsigned ceiling) {
         asm volatile("mrs %0, basepri" : "=r"(outer_)::"memory");
         // BASEPRI_MAX only ever raises. ISB: without it, an instruction or two behind the write may
         // still be interrupted (DDI 0403E, B5.2.3).
-        asm volatile("msr basepri_max, %0\n\tisb" ::"r"(hardware_priority(ceiling_)) : "memory");
+        asm volatile("msr basepri_max, %0\n\tisb" ::"r"(hardware_priority(ceiling)) : "memory");
     }
-    ~Section() {
-        if (ceiling_ == 0) return;
-        asm volatile("msr basepri, %0" ::"r"(outer_) : "memory");
-    }
+    [[gnu::always_inline]] ~Section() { asm volatile("msr basepri, %0" ::"r"(outer_) : "memory"); }
     Section(const Section&) = delete;
     Section& operator=(const Section&) = delete;
 
   private:
-    unsigned ceiling_;
-    uint32_t outer_ = 0;
+    uint32_t outer_;
 };
 
 }  // namespace stator

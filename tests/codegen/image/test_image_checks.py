@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 from pathlib import Path
 
@@ -9,8 +10,9 @@ import pytest
 from tests.emulation.firmware_tools import needs_toolchain
 
 from stator.build import build
+from stator.counts import GRAPH
 from stator.firmware import sizes_of, total_of
-from stator.image_checks import faults_of
+from stator.image_checks import faults_of, sections_of
 from stator.library import HOME
 
 FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-O1", "-std=c++20"]
@@ -104,3 +106,34 @@ def test_the_quad_has_no_fault() -> None:
         assert sum(sizes[part] for sizes in parts.values()) == (flash, ram)[part]
     unnamed = parts["texts and gaps"]
     assert all(0 <= size < 4096 for size in unnamed), unnamed
+    golden = Path(__file__).parent / "golden" / "quad.txt"
+    rows = [*parts.items(), ("image", (flash, ram))]
+    text = "".join(f"{name:24} {size[0]:6} {size[1]:6}\n" for name, size in rows)
+    if os.environ.get("STATOR_UPDATE"):
+        golden.parent.mkdir(exist_ok=True)
+        golden.write_text(text, encoding="utf-8")
+    assert text == golden.read_text(encoding="utf-8"), text
+
+
+def test_the_quad_masks_nothing() -> None:
+    needs_toolchain()
+    quad = build(HOME / "graph" / "quad.yaml", "qemu_f405", executor="cortex_m")
+    code = subprocess.run(
+        ["arm-none-eabi-objdump", "-d", quad], check=True, capture_output=True, text=True
+    ).stdout
+    assert sections_of(quad) == {}
+    assert "basepri" not in code.lower()
+
+
+def test_a_task_and_its_topic_take_few_bytes() -> None:
+    """Beyond its samples: of a node with one trigger, and of a topic of depth 1."""
+    needs_toolchain()
+    image = build(GRAPH, None, executor="cortex_m")
+    lines = subprocess.run(
+        ["arm-none-eabi-nm", "-S", "-C", image], check=True, capture_output=True, text=True
+    ).stdout.splitlines()
+    rows = [line.split(maxsplit=3) for line in lines]
+    bytes_of = {row[3]: int(row[1], 16) for row in rows if len(row) == 4}
+    task = bytes_of["stator::tasks::sink::state"]
+    topic = bytes_of["stator::topics::awaited_parts::storage"] - 2 * 32
+    assert task + topic < 48, (task, topic)

@@ -17,8 +17,8 @@ namespace count_parts {
 [[gnu::noinline]] uint32_t commit_in_section(const Topic&, Loan loaned) {
     return stator::commit_in_section(count, loaned);
 }
-[[gnu::noinline]] bool is_due_in_section(const Topic&, const Thinned& thinned, uint64_t timestamp_us) {
-    return stator::is_due_in_section(count, thinned, timestamp_us);
+[[gnu::noinline]] bool is_due_in_section(const Topic&, const Thinned& subscriber, uint64_t timestamp_us) {
+    return stator::is_due_in_section(count, subscriber, timestamp_us);
 }
 }  // namespace count_parts
 

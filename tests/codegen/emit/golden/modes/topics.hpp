@@ -49,7 +49,7 @@ extern Storage storage;
 inline constexpr Pend subscribers[] = {{0, 0x2}};
 Loan loan_in_section(const Topic& topic, bool keep);
 uint32_t commit_in_section(const Topic& topic, Loan loaned);
-bool is_due_in_section(const Topic& topic, const Thinned& thinned, uint64_t timestamp_us);
+bool is_due_in_section(const Topic& topic, const Thinned& subscriber, uint64_t timestamp_us);
 inline constexpr InSection in_section{loan_in_section, commit_in_section, is_due_in_section};
 }  // namespace count_parts
 inline constexpr Topic count{

@@ -1,0 +1,58 @@
+"""`./stator bench counts`: instructions of each way through the runtime, counted in QEMU."""
+
+from __future__ import annotations
+
+import subprocess
+from typing import TYPE_CHECKING
+
+from stator.build import build
+from stator.emulate import find_emulator, qemu_command
+from stator.image_checks import sections_of
+from stator.library import HOME
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+GRAPH = HOME / "tests" / "emulation" / "graphs" / "counts.yaml"
+LIMIT_S = 60  # of a program that takes half a second
+# In the order in which the program prints them (tests/emulation/graphs/apps/meter); the bound that
+# a count is held to, if any.
+WAYS: tuple[tuple[str, int | None], ...] = (
+    ("publish 32 bytes, until the step of the more urgent task that it wakes", 40),
+    ("publish 32 bytes, nobody woken, with 5 stores of the fields", 14 + 5),
+    ("the first by hand, until the handler that it wakes", None),
+    ("the second by hand", None),
+    ("entry of a line's interrupt, until the step of its driver", 15),
+    ("publish, and the whole activation of the reader that it wakes", None),
+    ("the same, and the reader reads the newest of another topic", None),
+)
+READERS_OWN = 2  # of those: the load of a field and a sum
+MOST_MASKED = 30
+
+
+def counts() -> list[tuple[str, int, int, int | None]]:
+    """What, least, most, bound. Raises `NoEmulator` where there is none."""
+    emulator = find_emulator()
+    image = build(GRAPH, None, executor="cortex_m")
+    command = qemu_command(emulator, image, shift=0)
+    finished = subprocess.run(command, capture_output=True, text=True, check=True, timeout=LIMIT_S)
+    rows = [tuple(int(word, 16) for word in line.split()) for line in _lines(finished)]
+    found = [
+        (what, least, most, bound) for (what, bound), (least, most) in zip(WAYS, rows, strict=True)
+    ]
+    (_, *plain, _), (_, *reading, _) = found[-2:]
+    least, most = (b - a - READERS_OWN for a, b in zip(plain, reading, strict=True))
+    found.append(("of this, taking and letting go of the newest", least, most, 10))
+    return found + _sections(image)
+
+
+def _lines(finished: subprocess.CompletedProcess[str]) -> list[str]:
+    return [line for line in (finished.stdout + finished.stderr).splitlines() if "0x" in line]
+
+
+def _sections(image: Path) -> list[tuple[str, int, int, int | None]]:
+    return [
+        (f"BASEPRI raised in {operation} of {topic}", count, count, MOST_MASKED)
+        for topic, operations in sections_of(image).items()
+        for operation, count in operations.items()
+    ]

@@ -1,0 +1,55 @@
+// The board of programs that run in the emulator by themselves.
+#include "board.hpp"
+
+#include "../../../../../boards/qemu_f405/semihosting.hpp"
+#include "../../../../../boards/qemu_f405/timers.hpp"
+#include "../../counting.hpp"
+#include "stator/cortex_m.hpp"
+
+namespace stator::board {
+
+ProbeCounted::Device probe0;
+
+uint32_t timer_us() {
+    return Clock().us();
+}
+void prepare() {
+    Clock().start();
+    counting::kControl.write(1);
+}
+void start() {
+    for (const unsigned vector : {counting::kByHandVector, counting::kEmptyVector}) {
+        nvic::priority(vector) = static_cast<uint8_t>(hardware_priority(5));
+        nvic::set_enable(vector / 32).write(1U << vector % 32);
+    }
+}
+
+// Lines are raised by software, so that there is nothing to acknowledge.
+bool take_probe0_raised();
+bool take_probe0_raised() {
+    return true;
+}
+
+// What a person would write for one topic with one reader above its publisher.
+void tim3_interrupt();
+void tim3_interrupt() {
+    const counting::WrittenByHand& topic = counting::written_by_hand;
+    counting::reach(counting::Place::kByHand, &topic.slots[topic.newest.load()]);
+}
+void tim4_interrupt();
+void tim4_interrupt() {
+    counting::reach(counting::Place::kEmpty, nullptr);
+}
+
+void halt(const char* what) {
+    semihosting::print("stator: ");
+    semihosting::print(what);
+    semihosting::exit(1);
+}
+void halt(const Fault& fault) {
+    semihosting::print("stator: fault at ");
+    semihosting::print(fault.program_counter);
+    semihosting::exit(1);
+}
+
+}  // namespace stator::board

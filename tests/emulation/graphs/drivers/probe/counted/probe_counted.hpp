@@ -1,0 +1,28 @@
+// Notes when it begins.
+#pragma once
+
+#include "../../../counting.hpp"
+#include "probe_ports.hpp"
+
+namespace stator {
+
+class ProbeCounted {
+  public:
+    struct Device {
+        uint32_t value = 0;
+    };
+
+    explicit ProbeCounted(Device& device) : device_(device) {}
+    void step(ProbePorts& ports) {
+        counting::reach(counting::Place::kDriver, &device_);
+        const uint32_t value = device_.value;
+        ports.event.publish([&] {
+            return Block{.values = {value, value, value, value, value, value}};
+        });
+    }
+
+  private:
+    Device& device_;
+};
+
+}  // namespace stator
