@@ -10,16 +10,17 @@ namespace {
 constexpr unsigned kCrcBytes = 2;
 constexpr uint64_t kSecond_us = 1'000'000;
 
-bool matches(const Header& header, const DataType& type) {
+bool matches(const Header& header, const Wanted& wanted) {
+    const DataType& type = wanted.type;
     if (header.kind != type.kind) return false;
     if (header.source != 0) return header.type_id == type.id;
-    return type.kind == DataType::Kind::kMessage && header.type_id == (type.id & 3);
+    return wanted.anonymous && header.type_id == (type.id & 3);
 }
 
 // The index of the type that the frame belongs to; the number of types if it is of none.
 unsigned find(std::span<const Wanted> wanted, const Header& header) {
     unsigned type = 0;
-    while (type < wanted.size() && !matches(header, wanted[type].type)) ++type;
+    while (type < wanted.size() && !matches(header, wanted[type])) ++type;
     return type;
 }
 
@@ -51,6 +52,7 @@ bool ReceiverCore::accept(const Storage& storage, const Frame& frame, uint64_t n
     const std::span<uint8_t> room = storage.bytes.subspan(index * most_bytes, most_bytes);
     if (!take(*session, frame, room) || (tail & Tail::kEnd) == 0) return false;
     header_ = header;
+    header_.type_id = wanted.type.id;
     return finish(*session, wanted, room);
 }
 

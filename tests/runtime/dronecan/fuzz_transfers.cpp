@@ -47,7 +47,9 @@ const auto& wanted() {
     static const auto list = [] {
         std::array<Wanted, 17> all{};
         unsigned count = 0;
-        for_every_type([&]<class Message>(Message*) { all[count++] = want<Message>(1000); });
+        for_every_type([&]<class Message>(Message*) {
+            all[count++] = {Message::kType, 1000, Message::kType.id == 1};
+        });
         require(count == all.size());
         return all;
     }();

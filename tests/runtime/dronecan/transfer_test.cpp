@@ -19,8 +19,8 @@ using protocol::NodeStatus;
 using protocol::RestartNode;
 using protocol::dynamic_node_id::Allocation;
 
-constexpr std::array kWanted{want<NodeStatus>(5), want<Status>(100), want<Allocation>(100),
-                             want<RestartNode::Request>(100)};
+constexpr std::array kWanted{want<NodeStatus>(5), want<Status>(100),
+                             want_anonymous<Allocation>(100), want<RestartNode::Request>(100)};
 constexpr uint8_t kOwnId = 10;
 
 template <class Message>
@@ -153,6 +153,7 @@ TEST_F(Transfers, a_node_without_id_has_one_frame_and_no_count) {
     for (int i = 0; i < 3; ++i) EXPECT_EQ(feed(cut(request, 0)), 1U);
     EXPECT_EQ(receiver.header().discriminator, 77);
     EXPECT_TRUE(receiver.is<Allocation>());
+    EXPECT_FALSE(receiver.is<NodeStatus>()) << "though its type ends in the same two bits";
     request.unique_id.count = 16;
     EXPECT_EQ(feed(cut(request, 0)), 0U);
     EXPECT_GT(counters().malformed, 0U);

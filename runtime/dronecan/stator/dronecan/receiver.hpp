@@ -40,11 +40,18 @@ class NodeSet {
 struct Wanted {
     DataType type;
     uint16_t frames_per_second;  // of one sender, at most; what is beyond is dropped and counted
+    // Of nodes without id, too. Their frames have two bits of the type only, so that of types with
+    // the same two, one can be wanted.
+    bool anonymous = false;
 };
 
 template <class Message>
 constexpr Wanted want(uint16_t frames_per_second) {
     return {Message::kType, frames_per_second};
+}
+template <class Message>
+constexpr Wanted want_anonymous(uint16_t frames_per_second) {
+    return {Message::kType, frames_per_second, true};
 }
 
 struct ReceiverCounters {
@@ -97,9 +104,7 @@ class ReceiverCore {
     uint64_t begun_us() const { return begun_us_; }  // when its first frame came
     template <class Message>
     bool is() const {
-        return header_.kind == Message::kType.kind &&
-               (header_.source == 0 ? (header_.type_id & 3) == (Message::kType.id & 3)
-                                    : header_.type_id == Message::kType.id);
+        return header_.kind == Message::kType.kind && header_.type_id == Message::kType.id;
     }
 
   protected:

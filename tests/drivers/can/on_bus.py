@@ -1,0 +1,392 @@
+"""Tests on a CAN bus of a real kernel. Run by test_on_bus.py inside tests/with-can, where time is
+slow and uneven: what counts is function, order and number, never when.
+
+The program under test is named by STATOR_LINK; its graph is graphs/link.yaml.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import struct
+import subprocess
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import can
+import dronecan
+import pytest
+from dronecan import uavcan
+from dronecan.app.node_monitor import NodeMonitor
+from dronecan.driver.common import AbstractDriver, CANFrame
+from dronecan.node import Node
+from dronecan.transport import Transfer
+from pyulog import ULog
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+PROGRAM = os.environ["STATOR_LINK"]
+BUS = "vcan0"
+OUR_ID = 10
+TOOL = 127
+PATIENCE_S = 30.0  # for what must happen some time
+RAW_COMMAND = 0x0404060A  # priority 4, type 1030, from node 10
+NODE_STATUS = 0x1001550A  # priority 16, type 341
+FRAME = struct.Struct("=IB3x8s")
+BUS_OFF, RESTARTED = 0x40, 0x100  # of linux/can/error.h
+
+
+class Link:
+    """The program, on the bus until `stop`."""
+
+    def __init__(self, log: Path) -> None:
+        self.log = log
+        command = [PROGRAM, "--can", BUS, "--can-parts", "no", "--log", str(log)]
+        self.process = subprocess.Popen(
+            [*command, "--duration", "1000"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        )
+
+    def stop(self) -> ULog:
+        time.sleep(1)  # for the newest samples to reach the log
+        self.process.send_signal(signal.SIGINT)
+        _, errors = self.process.communicate(timeout=PATIENCE_S)
+        assert self.process.returncode == 128 + signal.SIGINT, errors
+        return ULog(str(self.log))
+
+
+@pytest.fixture
+def link(tmp_path: Path) -> Iterator[Link]:
+    link = Link(tmp_path / "link.ulg")
+    yield link
+    if link.process.poll() is None:
+        link.process.kill()
+        link.process.communicate()
+
+
+def raw_socket() -> socket.socket:
+    bus = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+    bus.bind((BUS,))
+    bus.settimeout(PATIENCE_S)
+    return bus
+
+
+def next_frame(bus: socket.socket, wanted: Callable[[int], bool]) -> tuple[int, bytes]:
+    """The next extended frame of a wanted identifier."""
+    end = time.monotonic() + PATIENCE_S
+    while time.monotonic() < end:
+        identifier, length, data = FRAME.unpack(bus.recv(16))
+        if identifier & socket.CAN_EFF_FLAG and wanted(identifier & socket.CAN_EFF_MASK):
+            return identifier & socket.CAN_EFF_MASK, data[:length]
+    raise AssertionError("it never came")
+
+
+def send(bus: socket.socket, identifier: int, data: bytes) -> None:
+    bus.send(FRAME.pack(identifier, len(data), data))
+
+
+def wait_for_us(bus: socket.socket) -> None:
+    next_frame(bus, lambda identifier: identifier == RAW_COMMAND)
+
+
+def newest(log: ULog, topic: str) -> dict[str, Any]:
+    return {key: values[-1] for key, values in log.get_dataset(topic).data.items()}
+
+
+class Driver(AbstractDriver):  # type: ignore[misc]
+    """The bus for the package dronecan, whose own driver python-can 4.6 does not bear."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.bus = raw_socket()
+
+    def close(self) -> None:
+        self.bus.close()
+
+    def send_frame(self, frame: Any) -> None:
+        send(self.bus, frame.id | socket.CAN_EFF_FLAG, bytes(frame.data))
+
+    def receive(self, timeout: float | None = None) -> Any:
+        self.bus.settimeout(max(timeout or 0.0, 0.001))
+        try:
+            identifier, length, data = FRAME.unpack(self.bus.recv(16))
+        except TimeoutError:
+            return None
+        extended = bool(identifier & socket.CAN_EFF_FLAG)
+        now = time.monotonic()
+        return CANFrame(identifier & socket.CAN_EFF_MASK, data[:length], extended, now, time.time())
+
+
+@pytest.fixture
+def peer() -> Iterator[Any]:
+    node = Node(Driver(), node_id=TOOL)
+    node.mode = uavcan.protocol.NodeStatus().MODE_OPERATIONAL
+    yield node
+    node.close()
+
+
+def spin_until(node: Any, condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < end, "it never happened"
+        node.spin(0.05)
+
+
+def ask(node: Any, request: Any) -> Any:
+    """The response of our node. A request that is lost is repeated, as tools do."""
+    for _ in range(10):
+        answers: list[Any] = []
+        node.request(request, OUR_ID, answers.append)
+        spin_until(node, lambda answers=answers: bool(answers))
+        if answers[0] is not None:
+            return answers[0].response
+    raise AssertionError(f"no answer to {request}")
+
+
+# --- other programs see our frames, and we see theirs ---
+
+
+def test_candump_and_python_can_see_our_frames_in_order(link: Link) -> None:
+    with can.Bus(channel=BUS, interface="socketcan") as bus:
+        dump = subprocess.Popen(
+            ["candump", "-L", "-n", "400", "-T", "30000", BUS], stdout=subprocess.PIPE, text=True
+        )
+        seen = []
+        while len(seen) < 60:
+            message = bus.recv(PATIENCE_S)
+            assert message is not None
+            if message.arbitration_id == RAW_COMMAND:
+                assert message.is_extended_id
+                seen.append(bytes(message.data))
+    # 0.25 of 8191 in four times 14 bits: 2048, low byte first.
+    assert {data[:7] for data in seen if any(data[:7])} == {bytes.fromhex("00200080020008")}
+    ids = [data[7] & 0x1F for data in seen]
+    assert all((b - a) % 32 == 1 for a, b in zip(ids, ids[1:], strict=False))
+    text, _ = dump.communicate(timeout=PATIENCE_S)
+    frames = {line.split()[2].split("#")[0] for line in text.splitlines()}
+    assert {f"{RAW_COMMAND:08X}", f"{NODE_STATUS:08X}"} <= frames
+    link.stop()
+
+
+def test_what_cansend_and_cangen_send_arrives_in_order_or_is_counted(link: Link) -> None:
+    with raw_socket() as bus:
+        wait_for_us(bus)
+        for number in range(20):
+            subprocess.run(["cansend", BUS, f"1ABC{number:04X}#{number:02X}"], check=True)
+        subprocess.run(["cansend", BUS, "123#AB"], check=True)
+        subprocess.run(["cansend", BUS, "123#R"], check=True)
+        subprocess.run(["cangen", BUS, "-e", "-L", "8", "-g", "2", "-n", "300"], check=True)
+        wait_for_us(bus)
+    status = newest(link.stop(), "can_interface_status")
+    # 20 and 1 of cansend, 300 of cangen; the remote frame does not pass the filter.
+    assert status["frames_rx"] + status["rx_lost"] == 321
+    assert status["frames_tx"] > 0
+    assert status["tx_lost"] == 0
+
+
+# --- the package dronecan as a peer ---
+
+
+def test_a_node_monitor_knows_us(link: Link, peer: Any) -> None:
+    monitor = NodeMonitor(peer)
+    spin_until(peer, lambda: monitor.exists(OUR_ID) and monitor.get(OUR_ID).info is not None)
+    info = monitor.get(OUR_ID).info
+    assert info.name.decode() == "org.stator.vehicle"
+    assert bytes(info.hardware_version.unique_id.to_bytes()) == b"\x01" + bytes(15)
+    assert monitor.get(OUR_ID).status.health == info.status.HEALTH_OK
+    link.stop()
+
+
+def allocate(bus: socket.socket, unique_id: bytes, preferred: int = 0) -> int:
+    """Plays a part without an id: three pieces, each after the answer to the one before."""
+    pieces = [unique_id[:6], unique_id[6:12], unique_id[12:]]
+    known = b""
+    for number, piece in enumerate(pieces):
+        request = uavcan.protocol.dynamic_node_id.Allocation()
+        request.node_id = preferred
+        request.first_part_of_unique_id = number == 0
+        request.unique_id.from_bytes(piece)
+        transfer = Transfer(payload=request, source_node_id=0, discriminator=77 + number)
+        for frame in transfer.to_frames():
+            send(bus, frame.message_id | socket.CAN_EFF_FLAG, bytes(frame.bytes))
+        known += piece
+        answer = receive_allocation(bus)
+        assert bytes(answer.unique_id.to_bytes()) == known
+    return int(answer.node_id)
+
+
+def receive_allocation(bus: socket.socket) -> Any:
+    payload = []
+    while True:
+        _, data = next_frame(bus, lambda i: i & 0xFFFFFF == 0x00010A)
+        payload.append(data)
+        if data[-1] & 0x40:
+            break
+    transfer = Transfer()
+    frames = [dronecan.transport.Frame(0x1E00010A, data) for data in payload]
+    transfer.from_frames(frames)
+    return transfer.payload
+
+
+@pytest.mark.usefixtures("link")
+def test_parts_are_given_ids_and_the_same_again() -> None:
+    with raw_socket() as bus:
+        wait_for_us(bus)
+        one = allocate(bus, bytes(range(16)))
+        two = allocate(bus, bytes(range(1, 17)))
+        three = allocate(bus, bytes(range(2, 18)), preferred=55)
+        assert len({one, two, three}) == 3
+        assert three == 55
+        assert all(50 <= node <= 125 for node in (one, two, three))
+        assert allocate(bus, bytes(range(16))) == one
+
+
+def test_a_restart_that_nobody_is_there_to_do_is_refused(link: Link, peer: Any) -> None:
+    request = uavcan.protocol.RestartNode.Request()
+    request.magic_number = request.MAGIC_NUMBER
+    assert not ask(peer, request).ok
+    link.stop()
+
+
+# --- motor controllers and a receiver ---
+
+
+class Part:
+    """A node of the bus that only sends."""
+
+    def __init__(self, bus: socket.socket, node: int) -> None:
+        self.bus = bus
+        self.node = node
+        self.ids: dict[int, int] = {}
+
+    def send(self, payload: Any, priority: int = 16) -> None:
+        kind = dronecan.get_dronecan_data_type(payload).default_dtid
+        transfer_id = self.ids.get(kind, 0)
+        self.ids[kind] = (transfer_id + 1) % 32
+        transfer = Transfer(
+            payload=payload,
+            source_node_id=self.node,
+            transfer_id=transfer_id,
+            transfer_priority=priority,
+        )
+        for frame in transfer.to_frames():
+            send(self.bus, frame.message_id | socket.CAN_EFF_FLAG, bytes(frame.bytes))
+
+
+def esc_status(index: int) -> Any:
+    return uavcan.equipment.esc.Status(
+        error_count=index, voltage=12.0, current=3.0, temperature=300.0, rpm=1000 * index,
+        power_rating_pct=25, esc_index=index,
+    )  # fmt: skip
+
+
+def commands(bus: socket.socket, count: int) -> None:
+    for _ in range(count):
+        wait_for_us(bus)
+
+
+def test_four_controllers_and_a_receiver_are_heard(link: Link) -> None:
+    with raw_socket() as bus:
+        escs = [Part(bus, 20 + index) for index in range(4)]
+        receiver = Part(bus, 40)
+        fix = uavcan.equipment.gnss.Fix2(
+            longitude_deg_1e8=854559400, latitude_deg_1e8=4739774200, height_msl_mm=488000,
+            height_ellipsoid_mm=535600, ned_velocity=[1.0, -2.0, 0.5], sats_used=14, status=3,
+            covariance=[4.0, 4.0, 9.0, 0.25, 0.25, 0.25],
+        )  # fmt: skip
+        for _ in range(6):
+            wait_for_us(bus)
+            for index, esc in enumerate(escs):
+                esc.send(esc_status(index))
+            receiver.send(fix)
+            receiver.send(uavcan.equipment.gnss.Auxiliary(hdop=0.8, vdop=1.2))
+            commands(bus, 5)
+    log = link.stop()
+    status = newest(log, "esc_status")
+    assert status["esc_online_flags"] == 0b1111
+    assert [status[f"esc_rpm[{i}]"] for i in range(4)] == [0, 1000, 2000, 3000]
+    assert [status[f"esc_address[{i}]"] for i in range(4)] == [20, 21, 22, 23]
+    assert status["rejected"] == 0
+    gps = newest(log, "sensor_gps")
+    assert gps["latitude_deg"] == 47.397742
+    assert gps["longitude_deg"] == 8.545594
+    assert (gps["eph"], gps["epv"], gps["s_variance_m_s"]) == (2.0, 3.0, 0.5)
+    assert gps["fix_type"] == 3
+
+
+def test_a_controller_that_falls_silent_goes_offline(link: Link) -> None:
+    with raw_socket() as bus:
+        escs = [Part(bus, 20 + index) for index in range(4)]
+        for number in range(40):
+            for index, esc in enumerate(escs):
+                if index != 2 or number < 5:
+                    esc.send(esc_status(index))
+            commands(bus, 5)
+    flags = list(link.stop().get_dataset("esc_status").data["esc_online_flags"])
+    assert 0b1111 in flags, "all were online"
+    assert flags[-1] == 0b1011, "and one is no longer"
+
+
+def test_a_babbling_node_costs_counts_only(link: Link) -> None:
+    """Of its allowed rate what is beyond is dropped; others are heard, and commands go on."""
+    with raw_socket() as bus:
+        good, babbler, stranger = Part(bus, 20), Part(bus, 21), Part(bus, 99)
+        for _ in range(12):
+            good.send(esc_status(0))
+            for _ in range(60):
+                babbler.send(esc_status(1))
+                time.sleep(0.002)  # a bus has no room for more
+            stranger.send(esc_status(2))
+            babbler.send(esc_status(0))  # which is another's
+            wait_for_us(bus)
+    log = link.stop()
+    status = newest(log, "esc_status")
+    assert status["esc_online_flags"] & 1
+    assert status["esc_address[0]"] == 20
+    assert status["rejected"] > 0
+    assert not status["esc_online_flags"] & 0b100
+    assert newest(log, "can_interface_status")["frames_tx"] > 12
+
+
+# --- the interface ---
+
+
+def test_bus_off_is_told_and_survived(link: Link) -> None:
+    with raw_socket() as bus:
+        wait_for_us(bus)
+        send(bus, socket.CAN_ERR_FLAG | BUS_OFF, bytes(8))
+        time.sleep(1)
+        send(bus, socket.CAN_ERR_FLAG | RESTARTED, bytes(8))
+        commands(bus, 3)
+    log = link.stop()
+    states = list(log.get_dataset("can_interface_status").data["state"])
+    assert 3 in states, "bus-off"
+    assert states[-1] == 0
+    status = newest(log, "can_interface_status")
+    assert status["bus_off_count"] == 1
+    assert status["tx_lost"] > 0, "what was to be sent meanwhile is lost, and counted"
+
+
+def ip(*arguments: str) -> None:
+    subprocess.run(["ip", "link", *arguments], check=True)
+
+
+def test_an_interface_that_goes_away_and_comes_back(link: Link) -> None:
+    with raw_socket() as bus:
+        wait_for_us(bus)
+    ip("set", BUS, "down")
+    time.sleep(0.5)
+    ip("set", BUS, "up")
+    with raw_socket() as bus:
+        wait_for_us(bus)
+    ip("del", BUS)
+    time.sleep(0.5)
+    ip("add", BUS, "type", "vcan")
+    ip("set", BUS, "up")
+    with raw_socket() as bus:
+        commands(bus, 3)
+    states = list(link.stop().get_dataset("can_interface_status").data["state"])
+    assert 4 in states, "down"
+    assert states[-1] == 0
