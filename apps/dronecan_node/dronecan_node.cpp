@@ -20,10 +20,10 @@ constexpr unsigned kFramesPerRelease = 4;
 constexpr uint8_t kStatusPriority = 16;
 constexpr uint8_t kAllocationPriority = 30;
 // Of one node. A GetSet request takes up to 33 frames.
-constexpr std::array kWanted{dronecan::want<NodeStatus>(20), dronecan::want_anonymous<Allocator::Message>(50),
-                             dronecan::want<GetNodeInfo::Request>(20),
-                             dronecan::want<GetSet::Request>(2000),
-                             dronecan::want<RestartNode::Request>(5)};
+constexpr std::array kWanted{
+    dronecan::want<NodeStatus>(20), dronecan::want_anonymous<Allocator::Message>(50),
+    dronecan::want<GetNodeInfo::Request>(20), dronecan::want<GetSet::Request>(2000),
+    dronecan::want<RestartNode::Request>(5)};
 
 bool is_disarmed(const DronecanNodePorts& ports) {
     return ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kDisarmed;

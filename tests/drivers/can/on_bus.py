@@ -308,7 +308,6 @@ def test_four_controllers_and_a_receiver_are_heard(link: Link) -> None:
     assert status["esc_online_flags"] == 0b1111
     assert [status[f"esc_rpm[{i}]"] for i in range(4)] == [0, 1000, 2000, 3000]
     assert [status[f"esc_address[{i}]"] for i in range(4)] == [20, 21, 22, 23]
-    assert status["rejected"] == 0
     gps = newest(log, "sensor_gps")
     assert gps["latitude_deg"] == 47.397742
     assert gps["longitude_deg"] == 8.545594
@@ -319,7 +318,7 @@ def test_four_controllers_and_a_receiver_are_heard(link: Link) -> None:
 def test_a_controller_that_falls_silent_goes_offline(link: Link) -> None:
     with raw_socket() as bus:
         escs = [Part(bus, 20 + index) for index in range(4)]
-        for number in range(40):
+        for number in range(60):
             for index, esc in enumerate(escs):
                 if index != 2 or number < 5:
                     esc.send(esc_status(index))
@@ -333,9 +332,9 @@ def test_a_babbling_node_costs_counts_only(link: Link) -> None:
     """Of its allowed rate what is beyond is dropped; others are heard, and commands go on."""
     with raw_socket() as bus:
         good, babbler, stranger = Part(bus, 20), Part(bus, 21), Part(bus, 99)
-        for _ in range(12):
+        for _ in range(30):
             good.send(esc_status(0))
-            for _ in range(60):
+            for _ in range(15):
                 babbler.send(esc_status(1))
                 time.sleep(0.002)  # a bus has no room for more
             stranger.send(esc_status(2))
@@ -347,7 +346,7 @@ def test_a_babbling_node_costs_counts_only(link: Link) -> None:
     assert status["esc_address[0]"] == 20
     assert status["rejected"] > 0
     assert not status["esc_online_flags"] & 0b100
-    assert newest(log, "can_interface_status")["frames_tx"] > 12
+    assert newest(log, "can_interface_status")["frames_tx"] > 30
 
 
 # --- the interface ---

@@ -22,7 +22,9 @@ def link() -> Path:
     return build(HERE / "graphs" / "link.yaml", "linux", executor="pthread")
 
 
-def on_bus(seconds: int, *command: str | Path, **variables: str) -> subprocess.CompletedProcess[str]:
+def on_bus(
+    seconds: int, *command: str | Path, **variables: str
+) -> subprocess.CompletedProcess[str]:
     words = [str(WITH_CAN), "-t", str(seconds), "--", *(str(word) for word in command)]
     finished = subprocess.run(
         words, capture_output=True, text=True, check=False, env=dict(os.environ) | variables
