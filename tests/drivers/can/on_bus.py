@@ -12,6 +12,7 @@ import socket
 import struct
 import subprocess
 import time
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -163,7 +164,7 @@ def test_candump_and_python_can_see_our_frames_in_order(link: Link) -> None:
     # 0.25 of 8191 in four times 14 bits: 2048, low byte first.
     assert {data[:7] for data in seen if any(data[:7])} == {bytes.fromhex("00200080020008")}
     ids = [data[7] & 0x1F for data in seen]
-    assert all((b - a) % 32 == 1 for a, b in zip(ids, ids[1:], strict=False))
+    assert all((b - a) % 32 == 1 for a, b in pairwise(ids))
     text, _ = dump.communicate(timeout=PATIENCE_S)
     frames = {line.split()[2].split("#")[0] for line in text.splitlines()}
     assert {f"{RAW_COMMAND:08X}", f"{NODE_STATUS:08X}"} <= frames
