@@ -123,10 +123,13 @@ TEST(Wind, gusts_have_the_intensity_of_their_height_over_many_seeds) {
     Vector3 squares = Vector3::Zero();
     constexpr unsigned kSeeds = 4000;
     for (unsigned seed = 0; seed < kSeeds; ++seed) {
-        Wind wind({.speed = 8.0, .from = 0.0, .gusts = Gusts::kModerate}, seed);
+        constexpr double kFrom = 0.7;
+        Wind wind({.speed = 8.0, .from = kFrom, .gusts = Gusts::kModerate}, seed);
         wind.at(0, 10.0, 8.0);
-        const Vector3 gust = wind.at(10000, 10.0, 8.0) - Vector3(-8.0, 0.0, 0.0);
-        squares += gust.cwiseAbs2();
+        const Vector3 along_N(-std::cos(kFrom), -std::sin(kFrom), 0.0);
+        const Vector3 gust_N = wind.at(10000, 10.0, 8.0) - 8.0 * along_N;
+        const Vector3 across_N = Vector3::UnitZ().cross(along_N);
+        squares += Vector3(gust_N.dot(along_N), gust_N.dot(across_N), gust_N.z()).cwiseAbs2();
     }
     const GustScale scale = gust_scale(Gusts::kModerate, 10.0);
     const Vector3 sigma = (squares / kSeeds).cwiseSqrt();
