@@ -117,7 +117,7 @@ TEST(Options, refuses_what_it_does_not_know) {
               "error: unknown argument '--sed': known are --log FILE, --truth FILE, --seed N, "
               "--duration SECONDS, --times zero|random, --vary no|yes, --wind M_S, "
               "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
-              "--pilot FILE\n");
+              "--pilot FILE, --mission FILE, --speed FACTOR\n");
 }
 
 }  // namespace
