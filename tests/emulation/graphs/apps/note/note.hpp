@@ -1,0 +1,14 @@
+// Notes that it ran.
+#pragma once
+
+#include "../../journal.hpp"
+#include "note_ports.hpp"
+
+namespace stator {
+
+class Note {
+  public:
+    void step(NotePorts& ports) { journal::note(ports.params->id); }
+};
+
+}  // namespace stator

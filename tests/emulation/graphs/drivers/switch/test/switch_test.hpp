@@ -1,0 +1,31 @@
+// A switch that tests press.
+#pragma once
+
+#include "../../../journal.hpp"
+#include "switch_ports.hpp"
+
+namespace stator {
+
+class SwitchTest {
+  public:
+    struct Device {
+        uint32_t activations = 0;
+    };
+
+    explicit SwitchTest(Device& device) : device_(device) {}
+    // Says what woke it: up, down, timer.
+    void step(SwitchPorts& ports) {
+        ++device_.activations;
+        journal::note(ports.params->id);
+        if (ports.fired.up) semihosting::print("^");
+        if (ports.fired.down) semihosting::print("_");
+        if (ports.fired.timers != 0) semihosting::print(".");
+        ports.event.publish([&] { return Event{.value = device_.activations}; });
+        semihosting::print(";");
+    }
+
+  private:
+    Device& device_;
+};
+
+}  // namespace stator
