@@ -12,7 +12,7 @@ from stator.library import HOME
 
 GRAPH = HOME / "tests" / "emulation" / "graphs" / "order.yaml"
 LIMIT_S = 60  # of a program that takes milliseconds; on a hang
-# A blank is a whole millisecond of the board, whose clock starts a little after the graph's. Letters
+# A blank is a whole millisecond of the board, whose clock starts a little after the graph. Letters
 # are nodes (graphs/order.yaml); ^ and _ are lines, a point the timer, M a switch of modes.
 EXPECTED = [
     "e",  # at 0 ms: mode one
