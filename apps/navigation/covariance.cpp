@@ -129,9 +129,10 @@ void Covariance::correct(const Column& seen, float total, bool keep_tilt) {
     const float inverse = 1.0f / total;
     for (unsigned row = 0; row < kStates; ++row) {
         const float gain = seen[row] * inverse;
+        Column& across = p_[row];
         for (unsigned column = row; column < kStates; ++column) {
-            const float value = p_[row][column] - gain * seen[column];
-            p_[row][column] = value;
+            const float value = across[column] - gain * seen[column];
+            across[column] = value;
             p_[column][row] = value;
         }
     }

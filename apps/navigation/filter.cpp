@@ -115,7 +115,6 @@ Fusion Filter::fuse(const Sight& sight, float innovation, float variance, float 
     const float scale = innovation / total;
     for (unsigned i = 0; i < kStates; ++i) error[i] = seen[i] * scale;
     covariance_.correct(seen, total, keep_tilt);
-    covariance_.limit();
     inject(error, keep_tilt);
     return result;
 }
