@@ -39,7 +39,9 @@ void Navigation::step(NavigationPorts& ports) {
     const bool moved_on = read_imu(ports);
     if (!started_) return;
     while (ports.gnss.next()) read_gnss(*ports.gnss, params);
-    while (ports.baro.next()) read_baro(*ports.baro);
+    const float thrust = ports.thrust ? -ports.thrust->xyz[2] : 0.0f;
+    const float wash = ports.params->baro_wash * (math::is_finite(thrust) ? thrust : 0.0f);
+    while (ports.baro.next()) read_baro(*ports.baro, wash);
     while (ports.mag.next()) read_mag(*ports.mag);
     work(params);
     if (moved_on) publish(ports);
@@ -137,10 +139,11 @@ void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params)
     if (!gnss_.push(measurement)) ++late_;
 }
 
-void Navigation::read_baro(const SensorBaro& sample) {
-    if (!(sample.pressure > 0.0f) || !math::is_finite(sample.pressure)) return;
+void Navigation::read_baro(const SensorBaro& sample, float wash) {
+    const float pressure = sample.pressure - wash;
+    if (!(pressure > 0.0f) || !math::is_finite(pressure)) return;
     if (sample.timestamp_sample < baro_.newest_us() + kLeastInterval_us) return;
-    const float ratio = math::pow(sample.pressure / kPressureAtSea, kPressureExponent);
+    const float ratio = math::pow(pressure / kPressureAtSea, kPressureExponent);
     if (!baro_.push({sample.timestamp_sample, kScaleHeight * (1.0f - ratio)})) ++late_;
 }
 

@@ -34,7 +34,7 @@ class Navigation {
 
     // Inputs.
     void read_gnss(const SensorGps& fix, const NavigationParams& params);
-    void read_baro(const SensorBaro& sample);
+    void read_baro(const SensorBaro& sample, float wash);  // Pa, of the rotors
     void read_mag(const SensorMag& sample);
     bool read_imu(NavigationPorts& ports);
     void add_imu(uint64_t time_us, const Vector& rate_B, const NavigationParams& params);

@@ -132,6 +132,45 @@ TEST_F(AllocationTest, a_square_quadrotor_has_the_textbook_mixer) {
     }
 }
 
+// Figures that PX4's allocation gives for a quadrotor of arms (+-1, +-1) and moment 1, motors front
+// right, rear right, rear left, front left (ControlAllocationSequentialDesaturationTest.cpp, 2025).
+// Its unit of torque about an axis is half of ours: 0.25 of each motor, here 0.5. Not taken over is
+// its reserve of 15 % for yaw at full thrust; yaw yields first here.
+TEST_F(AllocationTest, published_cases_of_a_square_quadrotor) {
+    struct Case {
+        float roll, pitch, yaw, thrust;
+        bool airmode;
+        std::array<float, 4> control;
+    };
+    constexpr std::array<Case, 18> kCases{{
+        {0, 0, 0, 0.3F, false, {0.3F, 0.3F, 0.3F, 0.3F}},
+        {0, 0, 0, 0.75F, false, {0.75F, 0.75F, 0.75F, 0.75F}},
+        {1, 0, 0, 0.5F, false, {0.25F, 0.25F, 0.75F, 0.75F}},
+        {-1, 0, 0, 0.5F, false, {0.75F, 0.75F, 0.25F, 0.25F}},
+        {0, 1, 0, 0.5F, false, {0.75F, 0.25F, 0.25F, 0.75F}},
+        {0, 0, 1, 0.5F, false, {0.75F, 0.25F, 0.75F, 0.25F}},
+        {0, 0, -1, 0.5F, false, {0.25F, 0.75F, 0.25F, 0.75F}},
+        {0, 0, 0.02F, 0.75F, false, {0.755F, 0.745F, 0.755F, 0.745F}},
+        {0, 0, 1, 0.75F, false, {1.0F, 0.5F, 1.0F, 0.5F}},
+        {0, 0.1F, 0, 0.75F, false, {0.775F, 0.725F, 0.725F, 0.775F}},
+        {1, 0, 0, 1, false, {0.5F, 0.5F, 1, 1}},  // thrust yields
+        {0, -1, 0, 1, false, {0.5F, 1, 1, 0.5F}},
+        {0, 2, 0, 1, false, {1, 0, 0, 1}},
+        {1, 0, 0, 0, false, {0, 0, 0, 0}},  // without thrust and airmode, nothing
+        {0, 0, 1, 0, false, {0, 0, 0, 0}},
+        {1, 0, 0, 0.1F, false, {0, 0, 0.2F, 0.2F}},
+        {1, 0, 0, 0, true, {0, 0, 0.5F, 0.5F}},
+        {0, -1, 0, 0.1F, true, {0, 0.5F, 0.5F, 0}},
+    }};
+    set_rotors(std::array<Rotor, 4>{{{1, 1, 1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, -1}}});
+    for (std::size_t n = 0; n < kCases.size(); ++n) {
+        const Case& c = kCases[n];
+        params_.airmode = c.airmode;
+        const auto& control = allocate(0.5F * c.roll, 0.5F * c.pitch, 0.5F * c.yaw, c.thrust);
+        for (unsigned i = 0; i < 4; ++i) EXPECT_NEAR(control[i], c.control[i], 1e-6F) << n << i;
+    }
+}
+
 // A regular hexagon: the pseudo-inverse divides a torque in proportion to the lever arms, so for
 // roll the motors on the y axis take twice what the others take, and for pitch nothing.
 TEST_F(AllocationTest, a_hexarotor_divides_torque_in_proportion_to_lever_arms) {

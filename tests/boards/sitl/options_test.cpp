@@ -111,6 +111,15 @@ TEST(Options, refuses_a_pilot_that_is_not_there) {
               "error: --pilot '/no/such/file': No such file or directory\n");
 }
 
+TEST(Options, a_mission_and_a_speed_are_taken) {
+    Options options;
+    EXPECT_EQ(refusal({"--mission", "m", "--speed", "2.5"}, options), "");
+    EXPECT_STREQ(options.mission, "m");
+    EXPECT_EQ(options.speed, 2.5);
+    EXPECT_NE(refusal({"--speed", "0"}, options), "");
+    EXPECT_NE(refusal({"--mission", ""}, options), "");
+}
+
 TEST(Options, refuses_what_it_does_not_know) {
     Options options;
     EXPECT_EQ(refusal({"--sed", "1"}, options),
