@@ -38,11 +38,10 @@ void Navigator::take_inputs(const NavigatorPorts& ports) {
         return;
     }
     // On the ground home is here.
-    HomePosition here = home_;
-    if (!is_armed_) here.x = position_N_.x(), here.y = position_N_.y();
-    origin_N_ = origin_N(*ports.mission, *ports.position, here);
-    mission_is_valid_ = is_flyable(*ports.mission, origin_N_, Eigen::Vector2f(here.x, here.y),
-                                   ports.params->farthest);
+    const Eigen::Vector2f here_N = position_N_.head<2>();
+    const Eigen::Vector2f home_N = is_armed_ ? Eigen::Vector2f(home_.x, home_.y) : here_N;
+    origin_N_ = origin_N(*ports.mission, *ports.position, home_N);
+    mission_is_valid_ = is_flyable(*ports.mission, origin_N_, home_N, ports.params->farthest);
 }
 
 // --- goals ---
@@ -80,11 +79,8 @@ void Navigator::begin_mode(const NavigatorPorts& ports) {
     is_finished_ = false;
     goal_.heading = kNaN;
     start(GotoSetpoint::Kind::kStop);
-    if (nav_state_ == Nav::kMission) {
-        // The whole of an item is flown again.
-        if (ports.mission && current_ >= ports.mission->count) current_ = 0;
-        phase_ = 0;
-    }
+    // A mission goes on with the whole of the item where it was left; one that was over, anew.
+    if (ports.mission && current_ >= ports.mission->count) current_ = 0;
 }
 
 void Navigator::advance(const NavigatorPorts& ports) {

@@ -29,8 +29,9 @@ float reach(const Item& item) {
 }  // namespace
 
 Eigen::Vector2f origin_N(const Mission& mission, const VehicleLocalPosition& position,
-                         const HomePosition& home) {
-    if (!math::is_finite(mission.origin_lat)) return {home.x, home.y};
+                         const Eigen::Vector2f& home_N) {
+    if (!math::is_finite(mission.origin_lat)) return home_N;
+    if (!position.xy_global) return Eigen::Vector2f::Constant(math::canonical_nan<float>());
     const math::LocalFrame N({position.ref_lat, position.ref_lon});
     const math::NorthEast origin = N.to_local({mission.origin_lat, mission.origin_lon});
     return {static_cast<float>(origin.north), static_cast<float>(origin.east)};

@@ -1,7 +1,6 @@
 // A mission's items as places of N, and whether they can be flown.
 #pragma once
 
-#include "messages/home_position.hpp"
 #include "messages/mission.hpp"
 #include "messages/vehicle_local_position.hpp"
 #include "stator/rotation.hpp"
@@ -29,7 +28,7 @@ struct Item {
 // North and east of the mission's origin in N; home, if it has none of its own. Not a number while
 // it is not known.
 Eigen::Vector2f origin_N(const Mission& mission, const VehicleLocalPosition& position,
-                         const HomePosition& home);
+                         const Eigen::Vector2f& home_N);
 
 // `index` below the mission's count.
 Item item_at(const Mission& mission, unsigned index, const Eigen::Vector2f& origin_N, float home_z);

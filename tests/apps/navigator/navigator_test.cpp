@@ -328,6 +328,9 @@ TEST_F(NavigatorTest, an_origin_on_earth_is_found_from_the_frames_place) {
     position_.ref_lon = 8.5;
     mission_.origin_lat = 47.4 + 0.1 / 60.0;
     mission_.origin_lon = 8.5;
+    step();
+    EXPECT_FALSE(result_.valid);
+    position_.xy_global = true;
     fly(Nav::kMission);
     run(2.0F);
     arrive();
