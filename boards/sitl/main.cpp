@@ -6,8 +6,12 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "board.hpp"
 #include "flight_facts.hpp"
@@ -57,11 +61,28 @@ void run_paced(const board::Options& options) {
     }
 }
 
-Run run(const board::Options& options) {
+// Of each task, from "TASK=MICROSECONDS,...". False if one lacks its budget.
+[[nodiscard]] bool read_budgets(std::string_view text, std::vector<std::uint32_t>& budgets) {
+    for (unsigned i = 0; i < program.task_count; ++i) {
+        const std::string key = "," + std::string(program.tasks[i].name) + "=";
+        const std::string list = "," + std::string(text);
+        const std::size_t at = list.find(key);
+        if (at == std::string::npos) {
+            std::fprintf(stderr, "error: --budgets: none for '%s'\n", program.tasks[i].name);
+            return false;
+        }
+        const char* const digits = list.c_str() + at + key.size();
+        budgets.push_back(static_cast<std::uint32_t>(std::strtoul(digits, nullptr, 10)));
+    }
+    return true;
+}
+
+Run run(const board::Options& options, const std::vector<std::uint32_t>& budgets) {
     // The host's clock is for the report only; nothing that is logged may depend on it.
     const auto begin = std::chrono::steady_clock::now();
     start();
     if (options.random_times) use_random_times({options.conditions.seed, kMostRandomTime_us});
+    if (!budgets.empty()) use_budgets(budgets);
     if (options.speed > 0.0) {
         run_paced(options);
     } else {
@@ -94,15 +115,17 @@ int main(int count, char** arguments) {
     board::Options options;
     std::FILE* truth = nullptr;
     if (!board::parse(count, arguments, options)) return 2;
-    if (options.random_times && !kHasPreemptionPoints) {
-        std::fputs("error: --times random: this build has no preemption points\n", stderr);
+    if ((options.random_times || options.budgets != nullptr) && !kHasPreemptionPoints) {
+        std::fputs("error: this build has no preemption points, which --times needs\n", stderr);
         return 2;
     }
+    std::vector<std::uint32_t> budgets;
+    if (options.budgets != nullptr && !read_budgets(options.budgets, budgets)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
     Mission mission{};
     if (options.mission != nullptr && !board::read_mission(options.mission, mission)) return 2;
     board::prepare(options.conditions, options.mission != nullptr ? &mission : nullptr, truth);
-    print(run(options));
+    print(run(options, budgets));
     const bool log_written =
         close(options.log, board::log_storage.file, board::log_storage.errors == 0);
     const bool truth_written = close(options.truth, truth, board::truth_is_whole());

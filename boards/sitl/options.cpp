@@ -133,6 +133,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     }
     if (option == "--duration") return read_duration(value, options.duration_us);
     if (option == "--times") return read_times(value, options.random_times);
+    if (option == "--budgets") return read_path("--budgets", value, options.budgets);
     if (option == "--vary") return read_vary(value, options.conditions.vary);
     if (option == "--wind") return read_wind(value, options.conditions.wind.speed);
     if (option == "--wind-from") return read_direction(value, options.conditions.wind.from);
@@ -140,7 +141,8 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--fail") return add_fault(value, options.conditions.faults);
     std::fprintf(stderr,
                  "error: unknown argument '%s': known are --log FILE, --truth FILE, --seed N, "
-                 "--duration SECONDS, --times zero|random, --vary no|yes, --wind M_S, "
+                 "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
+                 "--wind M_S, "
                  "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
                  "--pilot FILE, --mission FILE, --speed FACTOR\n",
                  option.data());

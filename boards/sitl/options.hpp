@@ -14,6 +14,7 @@ struct Options {
     std::uint64_t duration_us = 120'000'000;  // at most
     double speed = 0.0;  // at most so many times real time; 0: as fast as it goes
     bool random_times = false;
+    const char* budgets = nullptr;  // TASK=MICROSECONDS, with commas; none: activations take none
     Conditions conditions{};
 };
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.build import PREEMPTION, RECORDING, build
-from stator.cli import path
+from stator.cli import make_plan, path
 from stator.diagnostics import UserError, shown_path
 from stator.library import HOME
 from stator.mission import packed, read_mission
@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_flight_arguments(parser, board="sitl", what="a board that simulates")
     parser.add_argument(
         "--times",
-        choices=["zero", "random"],
+        choices=["zero", "budget", "random"],
         default="zero",
         help="let activations take time, so that others preempt them (default: zero)",
     )
@@ -139,6 +139,24 @@ def speed_of(text: str) -> float:
     raise argparse.ArgumentTypeError(f"'{text}' is no factor above 0, at most {MOST_SPEED:.0f}")
 
 
+def times_of(arguments: argparse.Namespace) -> list[str]:
+    """For the program that flies, how long activations take. Raises `UserError`."""
+    if arguments.times != "budget":
+        return ["--times", arguments.times]
+    # Of the board that the graph is for: a simulated one has no times of its own.
+    plan = make_plan(str(arguments.graph), None)
+    budgets = {name: node.budget_us for name, node in plan.graph.nodes.items()}
+    missing = [name for name, budget in budgets.items() if budget is None]
+    if missing:
+        shown = ", ".join(f"'{name}'" for name in missing)
+        raise UserError(
+            f"error: --times budget: no budget of {shown}\n"
+            f"hint: add `budget: 50 us` to the node, or a file budgets/{plan.board.name}.yaml "
+            f"beside the graph, with lines such as `{missing[0]}: 50 us`"
+        )
+    return ["--budgets", ",".join(f"{name}={budget}" for name, budget in budgets.items())]
+
+
 def recording_of(arguments: argparse.Namespace) -> dict[str, str]:
     """What CMake needs to know of it."""
     return {} if arguments.no_record else RECORDING
@@ -177,7 +195,8 @@ def main(arguments: argparse.Namespace) -> int:
     try:
         mission = None if arguments.mission is None else read_mission(arguments.mission)
         complete(arguments, mission)
-        variant = PREEMPTION if arguments.times == "random" else {}
+        variant = {} if arguments.times == "zero" else PREEMPTION
+        times = times_of(arguments)
         program = build(
             arguments.graph, arguments.board, variant | recording_of(arguments), executor="virtual"
         )
@@ -188,7 +207,7 @@ def main(arguments: argparse.Namespace) -> int:
     log = arguments.output or default_log(arguments.graph, arguments.seed, kind)
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     with progress(f"flying {arguments.graph.stem}, seed {arguments.seed} ..."):
-        finished = _run(program, log, truth, arguments, mission)
+        finished = _run(program, log, truth, arguments, mission, times)
         if finished.returncode > 0:
             print(finished.stderr.rstrip(), file=sys.stderr)
             return 2
@@ -243,9 +262,10 @@ def _run(
     truth: Path,
     arguments: argparse.Namespace,
     mission: Mission | None,
+    times: list[str],
 ) -> subprocess.CompletedProcess[str]:
     command = [str(program), "--log", str(log), "--truth", str(truth)]
-    command += [*flight_options(arguments), "--times", arguments.times]
+    command += [*flight_options(arguments), *times]
     if arguments.speed is not None:
         command += ["--speed", f"{arguments.speed:.6f}"]
     if mission is None:

@@ -1,8 +1,10 @@
 // The virtual-time executor: one loop over instants, nested dispatch inside publications.
 #include "stator/virtual.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <vector>
 
 namespace stator {
 
@@ -14,6 +16,17 @@ bool stopped = false;
 uint64_t run_end_us = 0;
 RandomTimes random_times{};
 uint64_t random_state = 0;
+
+// An activation that takes its budget.
+struct TimedJob {
+    unsigned task;
+    uint32_t left_us;
+    unsigned points = 0;  // that it has passed
+    TimedJob* outer = nullptr;
+};
+TimedJob* timed_job = nullptr;        // the innermost
+std::vector<uint32_t> budgets;        // by task, us; empty: activations do not take their budgets
+std::vector<unsigned> points_before;  // by task: of the activation before
 
 // SplitMix64 (Steele, Lea, Flood 2014): one step of its counter, mixed.
 uint64_t next_random() {
@@ -44,6 +57,37 @@ void pend_due() {
     }
 }
 
+// Lets the job run for so long; others come in between when they are due, and time passes for them.
+void spend(TimedJob& job, uint32_t time_us) {
+    while (time_us != 0 && executor.now_us < run_end_us) {
+        const uint64_t instant = std::max(next_instant_us(), executor.now_us);
+        const auto step_us =
+            static_cast<uint32_t>(std::min<uint64_t>(time_us, instant - executor.now_us));
+        executor.now_us += step_us;
+        time_us -= step_us;
+        job.left_us -= step_us;
+        if (executor.now_us < instant) return;
+        executor.preemption_armed = false;  // what pends has no preemption points of its own
+        pend_due();
+        executor.preemption_armed = true;
+        preempt();
+    }
+}
+
+void run_timed(unsigned index) {
+    const Task& task = program.tasks[index];
+    TimedJob job{.task = index, .left_us = budgets[index], .outer = timed_job};
+    timed_job = &job;
+    const uint64_t before = task.counters->activations;
+    task.run();
+    // A task that finds nothing to do takes no time.
+    if (task.counters->activations != before) {
+        spend(job, job.left_us);
+        points_before[index] = job.points;
+    }
+    timed_job = job.outer;
+}
+
 }  // namespace
 
 void fail(const char* what) {
@@ -58,7 +102,11 @@ void dispatch() {
         executor.pending[index / 64] &= ~(uint64_t{1} << (index % 64));
         const Task& task = program.tasks[index];
         executor.limit = task.level_begin;
-        task.run();
+        if (budgets.empty()) {
+            task.run();
+        } else {
+            run_timed(index);
+        }
         executor.limit = outer;
     }
 }
@@ -70,7 +118,22 @@ void use_random_times(const RandomTimes& times) {
     executor.preemption_armed = true;
 }
 
+void use_budgets(std::span<const uint32_t> budgets_us) {
+    require(kHasPreemptionPoints, "this build has no preemption points");
+    require(budgets_us.size() == program.task_count, "a budget for each task is needed");
+    budgets.assign(budgets_us.begin(), budgets_us.end());
+    points_before.assign(budgets.size(), 0);
+    executor.preemption_armed = true;
+}
+
 void pass_preemption_point() {
+    if (!budgets.empty()) {
+        if (timed_job == nullptr) return;
+        const unsigned expected = points_before[timed_job->task];
+        const unsigned passed = timed_job->points++;
+        if (passed < expected) spend(*timed_job, timed_job->left_us / (expected - passed));
+        return;
+    }
     if (executor.now_us >= run_end_us) return;  // also a machine that is overloaded comes to an end
     executor.preemption_armed = false;          // what pends has no preemption points of its own
     executor.now_us += next_random() % (random_times.most_us + 1);

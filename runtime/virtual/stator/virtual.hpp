@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "stator/task.hpp"
 
@@ -60,6 +61,11 @@ struct RandomTimes {
     uint32_t most_us;
 };
 void use_random_times(const RandomTimes& times);
+
+// Activations take the budgets of their tasks, in the order of `program.tasks`, and whoever is due
+// meanwhile preempts them at that very time (`--times budget`). The time passes in equal parts at
+// as many preemption points as the activation before had, and what is left at its end.
+void use_budgets(std::span<const uint32_t> budgets_us);
 
 // Connects the graph to the board and publishes the parameters, at time 0.
 void start();

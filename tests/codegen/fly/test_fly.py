@@ -119,3 +119,37 @@ def test_missing_graph(tmp_path: Path) -> None:
     assert finished.returncode == 1
     assert finished.stdout == ""
     assert "none.yaml" in finished.stderr
+
+
+def budgeted(folder: Path, nodes: list[str]) -> Path:
+    """The quad, with the budgets of so many of its nodes: 60 us, 70 us, and so on."""
+    graph = folder / "budgeted.yaml"
+    graph.write_text("board: fmu_v2\ninclude: [{file: quad.yaml}]\n", encoding="utf-8")
+    (folder / "budgets").mkdir()
+    lines = "".join(f"{name}: {60 + 10 * i} us\n" for i, name in enumerate(nodes))
+    (folder / "budgets" / "fmu_v2.yaml").write_text(lines, encoding="utf-8")
+    return graph
+
+
+NODES = [
+    *("imu0", "rate_control", "allocation", "motors", "attitude", "attitude_control", "mocap0"),
+    *("position_estimate", "position_control", "sequence", "log_sink", "logger"),
+]
+
+
+def test_budgets_that_are_missing_are_named(tmp_path: Path) -> None:
+    finished = fly(budgeted(tmp_path, NODES[:-2]), "--times", "budget")
+    assert (finished.returncode, finished.stdout) == (2, "")
+    assert "error: --times budget: no budget of 'log_sink', 'logger'\n" in finished.stderr
+    assert "or a file budgets/fmu_v2.yaml beside the graph" in finished.stderr
+
+
+def test_budgets_let_time_pass(tmp_path: Path) -> None:
+    graph, log = budgeted(tmp_path, NODES), tmp_path / "flight.ulg"
+    facts = facts_of(fly(graph, "--times", "budget", "--json", "-o", log))
+    assert facts["success"], facts["reason"]
+    assert facts["lost_samples"] == 0
+    # Each millisecond five nodes take 0.4 ms; whoever runs longer than the rest is interrupted.
+    assert facts["preemptions"] > 10_000
+    again = facts_of(fly(graph, "--times", "budget", "--json", "-o", log))
+    assert again["log_sha256"] == facts["log_sha256"]

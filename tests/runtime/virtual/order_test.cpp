@@ -2,7 +2,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <sstream>
+#include <vector>
 
 #include "events.hpp"
 #include "journal.hpp"
@@ -178,6 +180,27 @@ TEST_F(OrderTest, preemption_never_tears_a_sample_and_changes_no_nominal_time) {
     }
     EXPECT_TRUE(was_late) << "no activation took time";
     EXPECT_GT(times_inside_another("20"), 10U);
+}
+
+// `collector` has 5 ms, the more urgent `ticker` 0.1 ms: released at 1 ms, `collector` is
+// interrupted by the ticks of 3 and 6 ms and ends at 6.2 ms; `chooser` of its level, released at
+// 3 ms, begins then.
+TEST_F(OrderTest, activations_take_their_budgets_and_are_preempted_when_others_are_due) {
+    std::vector<uint32_t> budgets(program.task_count, 0);
+    for (unsigned i = 0; i < program.task_count; ++i) {
+        const std::string name = program.tasks[i].name;
+        budgets[i] = name == "collector" ? 5'000 : name == "ticker" ? 100 : 0;
+    }
+    use_budgets(budgets);
+    run_until(100'000);
+    const std::vector<Entry> chosen = journal::of(14);
+    const auto late = std::find_if(chosen.begin(), chosen.end(),
+                                   [](const Entry& entry) { return entry.now_us == 3'000; });
+    ASSERT_NE(late, chosen.end());
+    EXPECT_EQ(late->clock_us, 6'200U);
+    // In the middle, once an activation has shown how many points there are.
+    EXPECT_GT(times_inside_another("20"), 2U);
+    EXPECT_EQ(journal::torn, 0U);
 }
 
 // What happened in a run of its own process, as a graph starts only once: a digest.
