@@ -24,6 +24,7 @@ LEAST_STREAM = 256
 HEAD_BYTES = 8  # task, end, what fired, time since the one before
 TAKE_BYTES = 2  # tag and number
 CRC_BYTES = 4
+LOGGED_BYTES = 5  # of a logged sample, besides itself: size, type, topic
 
 
 @dataclass(frozen=True)
@@ -207,13 +208,25 @@ def stream_bytes(plan: Plan) -> dict[int, int]:
 
 
 def bytes_per_second(plan: Plan) -> int:
-    """What a full recording takes as a rule at most, besides what the log takes anyway."""
+    """What a log with a full recording takes, as a rule at most."""
     rates = Rates(plan.graph)
-    return sum(
-        round(_record_bytes(plan, task, rates) * 1_000_000 / _period_us(rates, task.name))
+    recorded = sum(
+        _record_bytes(plan, task, rates) / _period_us(rates, task.name)
         for task in recorded_tasks(plan)
         if task.kind != "parameters"
     )
+    logged = sum(
+        Fraction(LOGGED_BYTES + topic.message.bytes) / (topic.log_us or topic.period_us or 1000)
+        for topic in plan.topics.values()
+        if topic.log_us is not None
+    )
+    return round((recorded + logged) * 1_000_000)
+
+
+def storage_bytes_per_second(plan: Plan) -> int | None:
+    """What the storage takes on the board that the graph is for; None: its file does not say."""
+    devices = (d for d in plan.graph.board.devices.values() if d.bytes_per_s is not None)
+    return next((d.bytes_per_s for d in devices), None)
 
 
 def _period_us(rates: Rates, node: str) -> Fraction:

@@ -23,6 +23,7 @@ from stator.fly import (
     flight_options,
     keep,
     progress,
+    rates_of,
     recording_of,
     report,
 )
@@ -77,6 +78,7 @@ def main(arguments: argparse.Namespace) -> int:
             print(finished.stderr.rstrip(), file=sys.stderr)
             return 2
         facts = facts_of(finished, log, truth, is_recorded=not arguments.no_record)
+    facts |= rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["emulator"] = emulator.version
     facts["missed_samples"] = json.loads(finished.stdout)["missed_samples"]

@@ -132,6 +132,20 @@ def flight_options(arguments: argparse.Namespace) -> list[str]:
     return options
 
 
+def rates_of(arguments: argparse.Namespace) -> dict[str, object]:
+    """What a recording takes as a rule at most, and what the graph's own board can store."""
+    from stator.emit_recording import bytes_per_second, is_recordable, storage_bytes_per_second
+
+    plan = make_plan(str(arguments.graph), None)
+    if arguments.no_record or not is_recordable(plan):
+        return {}
+    return {
+        "recording_bytes_per_s": bytes_per_second(plan),
+        "storage_bytes_per_s": storage_bytes_per_second(plan),
+        "storage_board": plan.graph.board.name,
+    }
+
+
 def speed_of(text: str) -> float:
     with contextlib.suppress(ValueError):
         if 0.0 < float(text) <= MOST_SPEED:
@@ -213,6 +227,7 @@ def main(arguments: argparse.Namespace) -> int:
             return 2
         facts = facts_of(finished, log, truth, mission, is_recorded=not arguments.no_record)
     facts |= {"mission": arguments.mission.stem if arguments.mission else None}
+    facts |= rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     keep(facts)
     if arguments.json:
@@ -442,7 +457,18 @@ def _mission_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
 
 def log_row(facts: dict[str, object]) -> tuple[str, str]:
     log = Path(str(facts["log"]))
-    return "log", f"{shown_path(log)} ({log.stat().st_size / 1e6:.1f} MB)"
+    size = f"{shown_path(log)} ({log.stat().st_size / 1e6:.1f} MB)"
+    if "recording_bytes_per_s" not in facts:
+        return "log", size
+    rate = f"at most {_kilobytes(facts['recording_bytes_per_s'])} with the recording"
+    if facts["storage_bytes_per_s"] is None:
+        return "log", f"{size}: {rate}"
+    takes = f"{facts['storage_board']} stores {_kilobytes(facts['storage_bytes_per_s'])}"
+    return "log", f"{size}: {rate}; {takes}"
+
+
+def _kilobytes(rate: object) -> str:
+    return f"{int(str(rate)) / 1000:.0f} kB/s"
 
 
 def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
@@ -452,7 +478,12 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         counts = f"{facts['activations']:,} activations, {facts['lost_samples']} samples lost"
         rows.append(("run", f"{speed}; {counts}"))
     rows.append(log_row(facts))
-    look = "PlotJuggler opens the log"
+    look = "PlotJuggler opens the log; ./stator replay LOG repeats the flight"
+    if facts["recording"] is None:
+        look = "PlotJuggler opens the log"
+    if facts["unrecorded_activations"]:
+        lost = f"{facts['unrecorded_activations']:,} activations found no room"
+        rows.append(("recording", f"it has a gap: {lost}"))
     other = f"./stator fly --seed {int(str(facts['seed'])) + 1} flies with other noise"
     again = "the same command flies the same flight again"
     rows.append(("next", f"{look}; {other if facts['success'] else again}"))

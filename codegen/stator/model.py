@@ -114,6 +114,7 @@ class Device:
     device_class: str
     lines: dict[str, str]
     interface: Interface | None  # None: the class has errors
+    bytes_per_s: int | None = None  # of a storage
 
 
 @dataclass(frozen=True)

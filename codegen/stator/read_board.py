@@ -100,7 +100,7 @@ def _device(library: Library, name: str, record: Record, chip: Chip | None) -> D
     if interface is not None:
         _check_lines(record, interface, chip, library.report)
     lines = {key: leaf.value for key, leaf in items(record, "lines")}
-    return Device(name, driver.value, device_class, lines, interface)
+    return Device(name, driver.value, device_class, lines, interface, record.value("bytes_per_s"))
 
 
 def _check_lines(record: Record, interface: Interface, chip: Chip | None, report: Report) -> None:

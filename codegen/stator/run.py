@@ -21,6 +21,7 @@ from stator.fly import (
     flight_rows,
     log_row,
     progress,
+    rates_of,
     recording_of,
     show,
 )
@@ -65,6 +66,7 @@ def main(arguments: argparse.Namespace) -> int:
         print(finished.stderr.rstrip(), file=sys.stderr)
         return NOT_RUN
     facts = _facts(finished, log, truth, flies=flies, is_recorded=not arguments.no_record)
+    facts |= rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     if arguments.json:
         print(json.dumps(facts, indent=2))
