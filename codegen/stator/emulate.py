@@ -22,12 +22,12 @@ from stator.fly import (
     facts_of,
     flight_options,
     keep,
-    progress,
     rates_of,
     recording_of,
     report,
 )
 from stator.library import HOME
+from stator.progress import progress
 
 # boards/qemu_f405/link.hpp
 FIFOS = ("to_plant", "from_plant")
@@ -72,7 +72,8 @@ def main(arguments: argparse.Namespace) -> int:
         print(failed, file=sys.stderr)
         return 2
     options = ["--truth", str(truth.resolve()), *flight_options(arguments)]
-    with progress(f"emulating {arguments.graph.stem}, seed {arguments.seed} ..."):
+    name = f"emulating {arguments.graph.stem}, seed {arguments.seed}"
+    with progress(name, truth, arguments.duration):
         finished = fly(emulator, image, [str(plant), *options], log)
         if finished.returncode != 0:
             print(finished.stderr.rstrip(), file=sys.stderr)

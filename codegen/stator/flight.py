@@ -84,12 +84,25 @@ class Tilt:
 
 
 @dataclass(frozen=True)
+class Problem:
+    """A limit that was broken; when and where, if it happened at one instant."""
+
+    text: str
+    time_s: float | None = None
+    position: Floats | None = None  # N, m
+
+    def as_json(self) -> dict[str, object]:
+        position = None if self.position is None else [float(x) for x in self.position]
+        return {"text": self.text, "time_s": self.time_s, "position_m": position}
+
+
+@dataclass(frozen=True)
 class Judgement:
     """`problems` is empty for a successful flight."""
 
     hover: Hover | None
     tilt: Tilt | None
-    problems: list[str]
+    problems: list[Problem]
 
 
 def read_truth(path: Path) -> Truth:
@@ -138,9 +151,10 @@ def read_flight(log: ULog, truth: Truth, run: dict[str, object]) -> Flight:
 
 def judge(flight: Flight) -> Judgement:
     if not np.isfinite(flight.truth.position).all():
-        return Judgement(None, None, ["the simulated vehicle left the range of numbers"])
+        left = Problem("the simulated vehicle left the range of numbers")
+        return Judgement(None, None, [left])
     if flight.take_off_s is None:
-        return Judgement(None, None, [f"never took off: {ending(flight)}"])
+        return Judgement(None, None, [at_end(flight, f"never took off: {ending(flight)}")])
     hover = _hover(flight)
     tilt = _tilt(flight)
     problems = [
@@ -174,15 +188,16 @@ def _hover(flight: Flight) -> Hover | None:
     )
 
 
-def _hover_problems(hover: Hover | None) -> list[str]:
+def _hover_problems(hover: Hover | None) -> list[Problem]:
     if hover is None:
-        return ["never hovered: in flight, vehicle_status never said hold"]
+        return [Problem("never hovered: in flight, vehicle_status never said hold")]
     if hover.max_error_m <= MOST_ERROR_M:
         return []
-    return [
+    text = (
         f"hover: {hover.max_error_m:.3f} m from the setpoint at {hover.worst_s:.2f} s, "
-        f"{_place(hover.worst_position)} (limit {MOST_ERROR_M:g} m)"
-    ]
+        f"{place(hover.worst_position)} (limit {MOST_ERROR_M:g} m)"
+    )
+    return [Problem(text, hover.worst_s, hover.worst_position)]
 
 
 # --- tilt ---
@@ -202,15 +217,16 @@ def _tilt(flight: Flight) -> Tilt | None:
     return Tilt(rms(error_deg), float(error_deg[worst]), float(time[worst]))
 
 
-def _tilt_problems(tilt: Tilt | None) -> list[str]:
+def _tilt_problems(tilt: Tilt | None) -> list[Problem]:
     if tilt is None:
-        return ["no estimate of attitude was logged in flight"]
+        return [Problem("no estimate of attitude was logged in flight")]
     if tilt.rms_deg <= MOST_TILT_ERROR_DEG:
         return []
-    return [
+    text = (
         f"estimated tilt: {tilt.rms_deg:.2f} deg RMS from the truth, most at {tilt.worst_s:.2f} s "
         f"with {tilt.max_deg:.2f} deg (limit {MOST_TILT_ERROR_DEG:g} deg RMS)"
-    ]
+    )
+    return [Problem(text, tilt.worst_s)]
 
 
 def _q_at(truth: Truth, time_s: Floats) -> Floats:
@@ -232,25 +248,31 @@ def _down_in_body(q: Floats) -> Floats:
 # --- landing ---
 
 
-def landing_problems(flight: Flight, most_m_s: float) -> list[str]:
+def landing_problems(flight: Flight, most_m_s: float) -> list[Problem]:
     if not flight.landed or flight.touchdown_m_s is None:
-        return [f"not landed and disarmed: {ending(flight)}"]
+        return [at_end(flight, f"not landed and disarmed: {ending(flight)}")]
     problems = []
     if flight.touchdown_m_s >= most_m_s:
-        problems.append(
+        text = (
             f"touchdown: {flight.touchdown_m_s:.2f} m/s down at {flight.touchdown_s:.2f} s "
             f"(limit {most_m_s:g} m/s)"
         )
+        problems.append(at_end(flight, text, flight.touchdown_s))
     if not flight.truth.on_ground[-1]:
-        problems.append(f"the motors stopped in the air: {ending(flight)}")
+        problems.append(at_end(flight, f"the motors stopped in the air: {ending(flight)}"))
     tilt_deg = math.degrees(math.acos(np.clip(_down_in_body(flight.truth.q[-1:])[0, 2], -1, 1)))
     if tilt_deg > MOST_LANDED_TILT_DEG:
-        problems.append(
-            f"landed on its side: tilted {tilt_deg:.0f} deg (limit {MOST_LANDED_TILT_DEG:g} deg)"
-        )
+        text = f"landed on its side: tilted {tilt_deg:.0f} deg (limit {MOST_LANDED_TILT_DEG:g} deg)"
+        problems.append(at_end(flight, text))
     if flight.arming_state.size == 0 or flight.arming_state[-1] != DISARMED:
-        problems.append("vehicle_status did not say disarmed at the end")
+        problems.append(Problem("vehicle_status did not say disarmed at the end"))
     return problems
+
+
+def at_end(flight: Flight, text: str, time_s: float | None = None) -> Problem:
+    """A problem of the end of the flight, where the vehicle came to rest."""
+    at_s = float(flight.truth.time_s[-1]) if time_s is None else time_s
+    return Problem(text, at_s, flight.truth.position[-1])
 
 
 def ending(flight: Flight) -> str:
@@ -258,7 +280,7 @@ def ending(flight: Flight) -> str:
     state = int(flight.nav_state[-1]) if flight.nav_state.size else -1
     return (
         f"at {flight.truth.time_s[-1]:.2f} s it was in {NAV_STATES.get(state, 'no known mode')}, "
-        f"{_place(flight.truth.position[-1])}"
+        f"{place(flight.truth.position[-1])}"
     )
 
 
@@ -310,6 +332,6 @@ def rms(values: Floats) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _place(position: Floats) -> str:
+def place(position: Floats) -> str:
     north, east, down = position
     return f"{north:.2f} m north, {east:.2f} m east, {-down:.2f} m up"

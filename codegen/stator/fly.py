@@ -18,11 +18,10 @@ from stator.cli import make_plan, path
 from stator.diagnostics import UserError, shown_path
 from stator.library import HOME
 from stator.mission import packed, read_mission
+from stator.progress import progress
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from stator.flight import Judgement
+    from stator.flight import Judgement, Problem
     from stator.mission import Mission
 
 MOST_SEED = 2**64 - 1
@@ -220,7 +219,8 @@ def main(arguments: argparse.Namespace) -> int:
     kind = f"-{arguments.mission.stem}" if mission else ""
     log = arguments.output or default_log(arguments.graph, arguments.seed, kind)
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
-    with progress(f"flying {arguments.graph.stem}, seed {arguments.seed} ..."):
+    name = f"flying {arguments.graph.stem}, seed {arguments.seed}"
+    with progress(name, truth, arguments.duration):
         finished = _run(program, log, truth, arguments, mission, times)
         if finished.returncode > 0:
             print(finished.stderr.rstrip(), file=sys.stderr)
@@ -229,6 +229,7 @@ def main(arguments: argparse.Namespace) -> int:
     facts |= {"mission": arguments.mission.stem if arguments.mission else None}
     facts |= rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
+    facts |= {"wind_m_s": arguments.wind, "wind_from_deg": arguments.wind_from}
     keep(facts)
     if arguments.json:
         print(json.dumps(facts, indent=2))
@@ -257,18 +258,6 @@ def default_log(graph: Path, seed: int, kind: str = "") -> Path:
     folder = HOME / "build" / "flights"
     folder.mkdir(parents=True, exist_ok=True)
     return folder / f"{graph.stem}-seed{seed}{kind}.ulg"
-
-
-@contextlib.contextmanager
-def progress(text: str) -> Iterator[None]:
-    """Shows that something goes on, where somebody watches."""
-    if not sys.stderr.isatty():
-        yield
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status(text):
-        yield
 
 
 def _run(
@@ -305,6 +294,7 @@ def facts_of(
     facts: dict[str, object] = {
         "success": False,
         "reason": "",
+        "problems": [],
         "log": str(log.resolve()),
         "log_sha256": _sha256(log),
         "truth": str(truth.resolve()),
@@ -361,10 +351,12 @@ def _judged(
     return _judgement_facts(judgement)
 
 
-def _verdict(problems: list[str]) -> dict[str, object]:
+def _verdict(problems: list[Problem]) -> dict[str, object]:
+    texts = [problem.text for problem in problems]
     return {
         "success": not problems,
-        "reason": "; ".join(problems) or "landed and disarmed, within all limits",
+        "reason": "; ".join(texts) or "landed and disarmed, within all limits",
+        "problems": [problem.as_json() for problem in problems],
     }
 
 
@@ -427,31 +419,49 @@ def flight_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         rows.append(("tilt", f"{error} (limit {MOST_TILT_ERROR_DEG:g} deg)"))
     if facts["touchdown_m_s"] is not None:
         when = f"at {facts['touchdown_s']:.2f} s with {facts['touchdown_m_s']:.2f} m/s"
-        limit = "" if facts.get("mission") else f" (limit {MOST_TOUCHDOWN_M_S:g} m/s)"
-        rows.append(("touchdown", when + limit))
+        limits = facts.get("limits")
+        most = limits["touchdown_speed"] if isinstance(limits, dict) else MOST_TOUCHDOWN_M_S
+        rows.append(("touchdown", f"{when} (limit {most:g} m/s)"))
     return rows
 
 
+# Facts of a mission, the limit of its file that each is held to, and what they say.
 MEASURED = {
-    "corridor_m": "off the straight way at most",
-    "landing_error_m": "from home at the landing",
-    "hold_horizontal_rms_m": "horizontal RMS while staying",
-    "hold_vertical_rms_m": "vertical RMS while staying",
-    "tracking_rms_m": "RMS between estimate and setpoint",
+    "corridor_m": ("corridor", "off the straight way at most"),
+    "landing_error_m": ("landing_error", "from home at the landing"),
+    "hold_horizontal_rms_m": ("hold_horizontal_rms", "horizontal RMS while staying"),
+    "hold_vertical_rms_m": ("hold_vertical_rms", "vertical RMS while staying"),
+    "tracking_rms_m": ("tracking_rms", "horizontal RMS of estimate off setpoint, moving"),
+}
+ERRORS = {
+    "truth_off_setpoint": "truth off setpoint",
+    "estimate_off_setpoint": "estimate off setpoint",
+    "estimate_off_truth": "estimate off truth",
 }
 
 
 def _mission_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
-    rows = [("mission", f"{facts['items_reached']} of {facts['items_total']} items reached")]
-    modes = facts["modes"]
+    items, modes, limits = facts.get("items", []), facts["modes"], facts["limits"]
+    assert isinstance(items, list)
     assert isinstance(modes, list)
+    assert isinstance(limits, dict)
+    rows = [("mission", f"{facts['items_reached']} of {facts['items_total']} items reached")]
+    for number, item in enumerate(items, 1):
+        when = item["reached_s"]
+        reached = "not reached" if when is None else f"{when:6.2f} s"
+        rows.append(("items", f"{number:2} {item['kind']:<16}{reached}"))
     for mode in modes:
-        why = f" because of {mode['failsafe']}" if mode["failsafe"] else ""
+        why = f"  because of {mode['failsafe']}" if mode["failsafe"] else ""
         state = mode["mode"] if mode["armed"] else "disarmed"
-        rows.append(("modes", f"{state} from {mode['time_s']:.2f} s{why}"))
-    for key, text in MEASURED.items():
+        rows.append(("modes", f"   {state:<16}{mode['time_s']:6.2f} s{why}"))
+    for key, (limit, text) in MEASURED.items():
         if facts.get(key) is not None:
-            rows.append(("measured", f"{facts[key]:.2f} m {text}"))
+            most = f" (limit {limits[limit]:g} m)" if limit in limits else ""
+            rows.append(("measured", f"{facts[key]:6.2f} m  {text}{most}"))
+    for key, text in ERRORS.items():
+        if facts.get(f"{key}_rms_m") is not None:
+            worst = f"{facts[f'{key}_max_m']:.2f} m at most"
+            rows.append(("in flight", f"{facts[f'{key}_rms_m']:6.2f} m  RMS {text}, {worst}"))
     return rows
 
 
@@ -478,13 +488,28 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         counts = f"{facts['activations']:,} activations, {facts['lost_samples']} samples lost"
         rows.append(("run", f"{speed}; {counts}"))
     rows.append(log_row(facts))
-    look = "PlotJuggler opens the log; ./stator replay LOG repeats the flight"
-    if facts["recording"] is None:
-        look = "PlotJuggler opens the log"
     if facts["unrecorded_activations"]:
         lost = f"{facts['unrecorded_activations']:,} activations found no room"
         rows.append(("recording", f"it has a gap: {lost}"))
-    other = f"./stator fly --seed {int(str(facts['seed'])) + 1} flies with other noise"
-    again = "the same command flies the same flight again"
-    rows.append(("next", f"{look}; {other if facts['success'] else again}"))
+    if not facts["success"]:
+        rows += picture_row(facts)
+        rows.append(("next", "the same command flies the same flight again"))
+        return rows
+    log = shown_path(Path(str(facts["log"])))
+    rows.append(("next", f"./stator plot {log} draws it"))
+    if facts["recording"] is not None:
+        rows.append(("next", f"./stator replay {log} repeats it bit for bit"))
     return rows
+
+
+def picture_row(facts: dict[str, object]) -> list[tuple[str, str]]:
+    """Draws the flight; nothing if its log holds no path."""
+    from stator.plot import draw
+
+    log = Path(str(facts["log"]))
+    picture = log.with_suffix(".png")
+    try:
+        draw(log, picture)
+    except UserError:
+        return []
+    return [("picture", f"{shown_path(picture)} shows where")]

@@ -12,13 +12,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stator import flight as fl
-from stator.mission import EIGHT, LAND, RETURN, TAKEOFF, WAYPOINT, Mission
+from stator.flight import Problem
+from stator.mission import EIGHT, LAND, NAMES, RETURN, TAKEOFF, WAYPOINT, Mission
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from pyulog import ULog
 
     from stator.flight import Flight, Floats
+
+    Rows = NDArray[np.bool_]
 
 ARMED, IN_MISSION = 2, 3  # graph/messages/VehicleStatus.yaml
 USUAL_LIMITS = {"touchdown_speed": 1.0}
@@ -39,37 +42,55 @@ class MissionFlight:
     """What was measured, under the names that --json has. None: there was nothing to measure."""
 
     facts: dict[str, object] = field(default_factory=dict)
-    problems: list[str] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
 
     def limit(self, key: str, value: float | None, most: float | None, what: str) -> None:
+        """Of a figure of the whole flight."""
         self.facts[key] = value
         if most is None:
             return
         if value is None:
-            self.problems.append(f"{what} could not be measured")
+            self.problems.append(Problem(f"{what} could not be measured"))
         elif value > most:
-            self.problems.append(f"{what} {value:.2f} m (limit {most:g} m)")
+            self.problems.append(Problem(f"{what} {value:.2f} m (limit {most:g} m)"))
+
+    def limit_each(
+        self, key: str, values: Floats, most: float | None, what: str, flight: Flight, rows: Rows
+    ) -> None:
+        """Of a distance at each of these rows of the truth."""
+        worst = int(np.argmax(values)) if values.size else 0
+        value = float(values[worst]) if values.size else None
+        if value is None or most is None or value <= most:
+            self.limit(key, value, most, what)
+            return
+        self.facts[key] = value
+        row = np.flatnonzero(rows)[worst]
+        time_s, position = float(flight.truth.time_s[row]), flight.truth.position[row]
+        text = f"{what} {value:.2f} m at {time_s:.2f} s, {fl.place(position)} (limit {most:g} m)"
+        self.problems.append(Problem(text, time_s, position))
 
 
 def judge_mission(log: ULog, flight: Flight, mission: Mission) -> MissionFlight:
     result = MissionFlight()
     limits = USUAL_LIMITS | mission.limits
     status = fl.topic(log, "vehicle_status")
-    result.facts["modes"] = _modes(status)
+    result.facts |= {"modes": _modes(status), "limits": limits}
     progress = fl.topic(log, "mission_result")
     total = sum(item.kind not in (RETURN, LAND) for item in mission.items)
     reached = int(np.max(progress["seq_reached"], initial=-1)) + 1
     result.facts |= {"items_total": total, "items_reached": min(reached, total)}
+    result.facts["items"] = _items(progress, mission)
     armed = np.flatnonzero(flight.arming_state == ARMED)
     if armed.size == 0:
-        result.problems.append(f"never armed: {_why_not(log)}")
+        result.problems.append(Problem(f"never armed: {_why_not(log)}"))
         return result
     if flight.take_off_s is None:
-        result.problems.append(f"never took off: {fl.ending(flight)}")
+        result.problems.append(fl.at_end(flight, f"never took off: {fl.ending(flight)}"))
         return result
     home = _at(flight.truth.time_s, flight.truth.position, flight.status_time_s[armed[0]])
     if reached < total:
-        result.problems.append(f"reached {reached} of {total} items of the mission")
+        text = f"reached {reached} of {total} items of the mission: {fl.ending(flight)}"
+        result.problems.append(fl.at_end(flight, text))
     result.problems += _failsafes(result.facts["modes"])
     result.problems += fl.landing_problems(flight, limits["touchdown_speed"])
     _measure(result, log, flight, mission, limits, home)
@@ -88,9 +109,13 @@ def _measure(
     setpoint = _setpoints(log, flight)
     flown = fl.in_flight(flight, flight.truth.time_s)
     away = _distance_from_way(truth[flown, :2], _way(mission))
-    result.limit("corridor_m", _most(away), limits.get("corridor"), "off the straight way")
-    landing = float(np.linalg.norm(truth[-1, :2]))
-    result.limit("landing_error_m", landing, limits.get("landing_error"), "landed off home by")
+    most = limits.get("corridor")
+    result.limit_each("corridor_m", away, most, "off the straight way", flight, flown)
+    landing = np.linalg.norm(truth[-1:, :2], axis=1)
+    last = np.arange(len(truth)) == len(truth) - 1
+    most = limits.get("landing_error")
+    result.limit_each("landing_error_m", landing, most, "landed off home by", flight, last)
+    result.facts |= _errors(log, flight, setpoint + home)
 
     staying = _at_rest(flight, setpoint) & flown
     error = truth[staying] - setpoint[staying]
@@ -124,10 +149,49 @@ def _modes(status: dict[str, NDArray[np.generic]]) -> list[dict[str, object]]:
     ]
 
 
-def _failsafes(modes: object) -> list[str]:
+def _failsafes(modes: object) -> list[Problem]:
     assert isinstance(modes, list)
     events = {m["failsafe"]: m for m in reversed(modes) if m["failsafe"]}
-    return [f"failsafe {event} at {m['time_s']:.2f} s: {m['mode']}" for event, m in events.items()]
+    return [
+        Problem(f"failsafe {event} at {m['time_s']:.2f} s: {m['mode']}", m["time_s"])
+        for event, m in events.items()
+    ]
+
+
+def _items(progress: dict[str, NDArray[np.generic]], mission: Mission) -> list[dict[str, object]]:
+    """Each item that can be reached, and when it was, if it was."""
+    reached = progress["seq_reached"].astype(np.int64)
+    time_s = fl.seconds(progress["timestamp"])
+    rows: list[dict[str, object]] = []
+    for number, item in enumerate(mission.items):
+        if item.kind in (RETURN, LAND):
+            continue
+        at = np.flatnonzero(reached >= number)
+        when = float(time_s[at[0]]) if at.size else None
+        rows.append({"kind": NAMES.get(item.kind, str(item.kind)), "reached_s": when})
+    return rows
+
+
+def _errors(log: ULog, flight: Flight, setpoint: Floats) -> dict[str, object]:
+    """Distances in the air, RMS and worst: of the truth and of the estimate from the setpoint, and
+    of the estimate from the truth."""
+    local = fl.topic(log, "vehicle_local_position")
+    estimate = fl.newest(
+        fl.seconds(local["timestamp"]), fl.columns(local, ["x", "y", "z"]), flight.truth.time_s
+    )
+    flown = fl.in_flight(flight, flight.truth.time_s)
+    pairs = {
+        "truth_off_setpoint": flight.truth.position - setpoint,
+        "estimate_off_setpoint": estimate - setpoint,
+        "estimate_off_truth": estimate - flight.truth.position,
+    }
+    facts: dict[str, object] = {}
+    for name, difference in pairs.items():
+        known = flown & np.isfinite(difference).all(axis=1)
+        length = np.linalg.norm(difference[known], axis=1)
+        facts[f"{name}_rms_m"] = fl.rms(length) if length.size else None
+        facts[f"{name}_max_m"] = float(length.max()) if length.size else None
+    return facts
 
 
 def _why_not(log: ULog) -> str:
@@ -178,10 +242,6 @@ def _distance_from_way(points: Floats, way: Floats) -> Floats:
         off = points - start - part[:, None] * along
         nearest = np.minimum(nearest, np.linalg.norm(off, axis=1))
     return nearest
-
-
-def _most(values: Floats) -> float | None:
-    return float(np.max(values)) if values.size else None
 
 
 def _tracking(log: ULog, flight: Flight, mission: Mission) -> float | None:

@@ -15,9 +15,9 @@ from stator.build import build_replay
 from stator.cli import make_plan, path
 from stator.diagnostics import Failed, UserError, shown_path
 from stator.emit_recording import definitions
-from stator.fly import progress
 from stator.graph_hash import graph_hash
 from stator.library import HOME
+from stator.progress import progress
 from stator.recording import Recording, fields_of, logged_sample, read_recording
 
 if TYPE_CHECKING:

@@ -20,11 +20,11 @@ from stator.fly import (
     flight_options,
     flight_rows,
     log_row,
-    progress,
     rates_of,
     recording_of,
     show,
 )
+from stator.progress import progress
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -60,7 +60,7 @@ def main(arguments: argparse.Namespace) -> int:
         print(failed, file=sys.stderr)
         return NOT_RUN
     name = f"running {arguments.graph.stem} for {arguments.duration:g} s at most; Ctrl-C ends it"
-    with progress(name):
+    with progress(name, truth, arguments.duration):
         finished = _run(program, log, truth, arguments)
     if finished.returncode == NOT_RUN:
         print(finished.stderr.rstrip(), file=sys.stderr)
