@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 FORMATS = (".png", ".svg", ".pdf")
 ROTORS = 4
 LEAST_MAP_M = 2.0
+HALF_TURN_DEG = 180.0
 # Colour-blind safe (Okabe and Ito), one a meaning throughout.
 # The truth is the wide line underneath, so that what was believed shows where it differs.
 TRUTH, ESTIMATE, SETPOINT, FAILED = "#b0b0b0", "#0072b2", "#e69f00", "#d55e00"
@@ -246,21 +247,22 @@ def _square(axes: Axes) -> None:
 
 
 def _wind(axes: Axes, flown: Flown) -> None:
-    """An arrow the way the mean wind blows, with its speed."""
+    """Above the map, an arrow the way the mean wind blows, with its speed."""
     wind = float(flown.facts.get("wind_m_s") or 0.0)
     if wind == 0.0:
         return
     to = np.radians(float(flown.facts.get("wind_from_deg") or 0.0) + 180.0)
-    step = 0.06 * np.array([np.sin(to), np.cos(to)])
-    middle = np.array([0.9, 0.1])
+    step = 0.025 * np.array([np.sin(to), np.cos(to)])
+    middle = np.array([0.03, 1.04])
     axes.annotate(
         "",
         xy=tuple(middle + step),
         xytext=tuple(middle - step),
         xycoords="axes fraction",
         arrowprops={"arrowstyle": "-|>", "color": "#555555", "lw": 1.5},
+        annotation_clip=False,
     )
-    axes.text(0.9, 0.02, f"wind {wind:g} m/s", transform=axes.transAxes, ha="center", fontsize=8)
+    axes.text(0.07, 1.03, f"wind {wind:g} m/s", transform=axes.transAxes, fontsize=8)
 
 
 def _altitude(axes: Axes, flown: Flown) -> None:
@@ -358,4 +360,6 @@ def _euler_deg(q: Floats) -> Floats:
     pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1.0, 1.0))
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
     angles: Floats = np.degrees(np.column_stack([roll, pitch, yaw]))
+    # No line across the picture where an angle goes from 180 to -180.
+    angles[1:][np.abs(np.diff(angles, axis=0)) > HALF_TURN_DEG] = np.nan
     return angles
