@@ -108,6 +108,14 @@ void DronecanNode::handle_restart_request(DronecanNodePorts& ports) {
     if (granted) ports.restart.publish([&] { return RestartRequest{.source = source}; });
 }
 
+void DronecanNode::handle_parameter_request(const DronecanNodePorts& ports) {
+    GetSet::Request request;
+    if (!read(request)) return;
+    const bool may_write = receiver_.header().source == tool_ && is_disarmed(ports);
+    respond(ParameterServer::answer(request, params_, may_write));
+    configure(params_);
+}
+
 void DronecanNode::handle(DronecanNodePorts& ports) {
     if (receiver_.is<NodeStatus>()) {
         allocator_.note_taken(receiver_.header().source);
@@ -117,6 +125,8 @@ void DronecanNode::handle(DronecanNodePorts& ports) {
         handle_info_request(ports.now);
     } else if (receiver_.is<RestartNode::Request>()) {
         handle_restart_request(ports);
+    } else if (receiver_.is<GetSet::Request>()) {
+        handle_parameter_request(ports);
     }
 }
 
@@ -137,7 +147,10 @@ void DronecanNode::send_waiting(DronecanNodePorts& ports) {
 }
 
 void DronecanNode::step(DronecanNodePorts& ports) {
-    if (ports.params.is_new()) configure(*ports.params);
+    if (ports.params.is_new()) {
+        params_ = *ports.params;
+        configure(params_);
+    }
     while (ports.can.next()) receive(ports);
     if (ports.now >= next_status_us_) {
         next_status_us_ = ports.now + kStatusPeriod_us;

@@ -5,9 +5,9 @@
 #include "allocator.hpp"
 #include "dronecan/protocol/get_node_info.hpp"
 #include "dronecan/protocol/node_status.hpp"
-#include "dronecan/protocol/param/get_set.hpp"
 #include "dronecan/protocol/restart_node.hpp"
 #include "dronecan_node_ports.hpp"
+#include "parameter_server.hpp"
 #include "stator/dronecan/receiver.hpp"
 #include "stator/dronecan/sender.hpp"
 
@@ -37,6 +37,7 @@ class DronecanNode {
     void handle_allocation(DronecanNodePorts& ports);
     void handle_info_request(uint64_t now_us);
     void handle_restart_request(DronecanNodePorts& ports);
+    void handle_parameter_request(const DronecanNodePorts& ports);
     NodeStatus status(uint64_t now_us) const;
     void send_waiting(DronecanNodePorts& ports);
     template <class Message>
@@ -49,6 +50,7 @@ class DronecanNode {
     dronecan::Sender<NodeStatus::kType.most_bytes> status_sender_;
     dronecan::Sender<Allocator::Message::kType.most_bytes> allocation_sender_;
     dronecan::Sender<GetNodeInfo::Response::kType.most_bytes> response_sender_;
+    DronecanNodeParams params_{};  // the graph's, and what a tool wrote since
     std::array<uint8_t, 4> serial_number_{};
     uint64_t next_status_us_ = 0;
     uint8_t node_id_ = 0;

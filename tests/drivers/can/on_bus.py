@@ -244,6 +244,31 @@ def test_parts_are_given_ids_and_the_same_again() -> None:
         assert allocate(bus, bytes(range(16))) == one
 
 
+def test_parameters_are_listed_read_and_written(link: Link, peer: Any) -> None:
+    get_set = uavcan.protocol.param.GetSet
+    names = []
+    while True:
+        response = ask(peer, get_set.Request(index=len(names)))
+        if not response.name.decode():
+            break
+        names.append(response.name.decode())
+    assert "dronecan_node.tool" in names
+    assert len(names) == len(set(names))
+
+    def write(value: int) -> Any:
+        request = get_set.Request()
+        request.name = "dronecan_node.last_given"
+        request.value = uavcan.protocol.param.Value(integer_value=value)
+        return ask(peer, request)
+
+    assert write(100).value.integer_value == 100
+    refused = write(126)  # out of range
+    assert refused.value.integer_value == 100
+    assert refused.max_value.integer_value == 125
+    assert ask(peer, get_set.Request(name="dronecan_node.last_given")).value.integer_value == 100
+    link.stop()
+
+
 def test_a_restart_that_nobody_is_there_to_do_is_refused(link: Link, peer: Any) -> None:
     request = uavcan.protocol.RestartNode.Request()
     request.magic_number = request.MAGIC_NUMBER

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -40,3 +41,24 @@ def test_on_the_bus(link: Path) -> None:
     finished = on_bus(600, *pytest_, *options, HERE / "on_bus.py", STATOR_LINK=str(link))
     print(finished.stdout)
     assert finished.returncode == 0, finished.stdout[-6000:] + finished.stderr[-2000:]
+
+
+@pytest.mark.long
+def test_five_thousand_frames_a_second_both_ways_are_there_or_counted() -> None:
+    """For 20 s. What the driver says it lost is what is missing from the numbers."""
+    flood = HOME / "build" / "host" / "tests" / "drivers" / "can" / "can_flood"
+    assert flood.is_file(), "built by ./stator test; run that"
+    rate, seconds = 5000, 20
+    script = (
+        f"{flood} vcan0 0x1000 0x2000 {rate} {seconds} & "
+        f"{flood} vcan0 0x2000 0x1000 {rate} {seconds}; wait"
+    )
+    finished = on_bus(200, "bash", "-c", script)
+    assert finished.returncode == 0, finished.stderr
+    ends = [json.loads(line) for line in finished.stdout.splitlines()]
+    assert len(ends) == 2
+    for end, other in (ends, ends[::-1]):
+        print(end)
+        assert end["sent"] == rate * seconds
+        assert end["disordered"] == 0
+        assert end["received"] + end["rx_lost"] == other["sent"]

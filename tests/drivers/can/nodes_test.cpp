@@ -1,0 +1,363 @@
+// The nodes that speak DroneCAN, each called with frames.
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <memory>
+#include <vector>
+
+#include "can_esc.hpp"
+#include "can_gnss.hpp"
+#include "dronecan_node.hpp"
+#include "parameter_server.hpp"
+#include "stator/dronecan/port.hpp"
+#include "stator/math/bits.hpp"
+#include "stator/testing.hpp"
+
+namespace stator {
+namespace {
+
+using dronecan::Frame;
+using dronecan::equipment::esc::RawCommand;
+using dronecan::equipment::esc::Status;
+using dronecan::equipment::gnss::Auxiliary;
+using dronecan::equipment::gnss::Fix2;
+
+constexpr uint8_t kOwnId = 10;
+
+template <class Message>
+std::vector<CanFrame> frames_of(const Message& message, uint8_t source, uint64_t time_us,
+                                uint8_t transfer_id = 0) {
+    dronecan::Sender<Message::kType.most_bytes> sender;
+    sender.begin({.source = source, .destination = kOwnId, .discriminator = 5}, transfer_id,
+                 message);
+    std::vector<CanFrame> frames;
+    for (Frame frame; sender.next(frame);) {
+        frames.push_back(dronecan::to_topic<CanFrame>(frame, time_us));
+        frames.back().timestamp = time_us;
+    }
+    return frames;
+}
+
+template <class Message>
+Message decoded(const CanFrame& single) {
+    Message message;
+    EXPECT_TRUE(dronecan::decode(std::span(single.data).first(single.length - 1U), message));
+    return message;
+}
+
+// --- can_esc ---
+
+struct Esc : ::testing::Test {
+    // One activation for each frame, and the newest report.
+    void feed(const std::vector<CanFrame>& frames) {
+        for (const CanFrame& frame : frames) step(&frame, nullptr);
+    }
+    void step(const CanFrame* frame, const ActuatorMotors* motors) {
+        CanEscPorts ports{.now = now_us,
+                          .motors = motors == nullptr ? Input<ActuatorMotors>() : Input(*motors),
+                          .can = frame == nullptr ? Input<CanFrame>() : Input(*frame),
+                          .params = Input(params, is_first)};
+        is_first = false;
+        stator::testing::Probe sent(ports.frames, now_us);
+        stator::testing::Probe reported(ports.report, now_us);
+        node.step(ports);
+        commands += sent.count();
+        if (sent.count() != 0) newest = sent.newest();
+        if (reported.count() != 0) report = reported.newest();
+    }
+    EscStatus report_now() {
+        now_us += 100'000;
+        step(nullptr, nullptr);
+        return report;
+    }
+    static Status status(uint8_t index) {
+        return {.voltage = 12.0F, .temperature = 300.0F, .rpm = 5000, .esc_index = index};
+    }
+
+    CanEsc node;
+    CanEscParams params{.node_id = kOwnId,
+                        .esc_count = 4,
+                        .first_node = 20,
+                        .last_node = 23,
+                        .offline_timeout = 1.0F};
+    bool is_first = true;
+    uint64_t now_us = 1'000'000;
+    uint32_t commands = 0;
+    CanFrame newest{};
+    EscStatus report{};
+};
+
+TEST_F(Esc, commands_go_out_and_a_stopped_motor_is_zero) {
+    ActuatorMotors motors{.timestamp_sample = 7};
+    motors.control.fill(math::canonical_nan<float>());
+    motors.control[0] = 0.5F;
+    motors.control[1] = 0.0F;  // turns, as slowly as it can
+    motors.control[2] = 1.5F;
+    step(nullptr, &motors);
+    const auto command = decoded<RawCommand>(newest);
+    ASSERT_EQ(command.cmd.count, 4);
+    EXPECT_EQ(command.cmd.items[0], 4096);
+    EXPECT_EQ(command.cmd.items[1], 1);
+    EXPECT_EQ(command.cmd.items[2], 8191);
+    EXPECT_EQ(command.cmd.items[3], 0);
+    EXPECT_EQ(newest.timestamp_sample, 7U);
+}
+
+TEST_F(Esc, without_commands_all_are_told_to_stop) {
+    step(nullptr, nullptr);
+    const auto command = decoded<RawCommand>(newest);
+    ASSERT_EQ(command.cmd.count, 4);
+    for (unsigned i = 0; i < 4; ++i) EXPECT_EQ(command.cmd.items[i], 0);
+    now_us += 5'000;
+    step(nullptr, nullptr);
+    EXPECT_EQ(commands, 1U) << "50 times a second is enough";
+}
+
+TEST_F(Esc, reports_are_collected_and_get_old) {
+    feed(frames_of(status(2), 21, now_us));
+    EscStatus now = report_now();
+    EXPECT_EQ(now.esc_online_flags, 0b100);
+    EXPECT_EQ(now.esc_rpm[2], 5000);
+    EXPECT_EQ(now.esc_address[2], 21);
+    EXPECT_NEAR(now.esc_temperature[2], 26.85F, 0.13F);  // binary16 has steps of 0.25 K there
+    now_us += 1'000'000;
+    now = report_now();
+    EXPECT_EQ(now.esc_online_flags, 0);
+    EXPECT_EQ(now.esc_rpm[2], 0);
+}
+
+TEST_F(Esc, a_controller_speaks_for_itself_only) {
+    feed(frames_of(status(1), 20, now_us));
+    feed(frames_of(status(1), 21, now_us));
+    EXPECT_EQ(report_now().esc_address[1], 20);
+    EXPECT_EQ(report.rejected, 1U);
+}
+
+TEST_F(Esc, impossible_values_and_strangers_are_counted) {
+    Status hot = status(0);
+    hot.temperature = 5000.0F;
+    Status none = status(0);
+    none.voltage = math::canonical_nan<float>();
+    feed(frames_of(hot, 20, now_us, 0));
+    feed(frames_of(none, 20, now_us, 1));
+    feed(frames_of(status(4), 20, now_us, 2));
+    feed(frames_of(status(0), 24, now_us, 3));
+    EXPECT_EQ(report_now().esc_online_flags, 0);
+    EXPECT_EQ(report.rejected, 3U + 3U) << "three transfers, and the stranger's three frames";
+}
+
+// --- can_gnss ---
+
+struct Gnss : ::testing::Test {
+    uint32_t feed(const std::vector<CanFrame>& frames) {
+        uint32_t count = 0;
+        for (const CanFrame& frame : frames) {
+            CanGnssPorts ports{
+                .now = frame.timestamp, .can = Input(frame), .params = Input(params, is_first)};
+            is_first = false;
+            stator::testing::Probe position(ports.position, ports.now);
+            node.step(ports);
+            count += position.count();
+            if (position.count() != 0) newest = position.newest();
+        }
+        return count;
+    }
+    static Fix2 fix() {
+        return {.longitude_deg_1e8 = 854'559'400,
+                .latitude_deg_1e8 = 4'739'774'200,
+                .height_msl_mm = 488'000,
+                .ned_velocity = {1.0F, 2.0F, 3.0F},
+                .sats_used = 9,
+                .status = Fix2::kStatus3dFix};
+    }
+
+    CanGnss node;
+    CanGnssParams params{.first_node = 40, .last_node = 49, .latency = 0.1F, .range_error = 2.0F};
+    bool is_first = true;
+    SensorGps newest{};
+};
+
+TEST_F(Gnss, a_fix_becomes_a_position) {
+    Fix2 message = fix();
+    message.covariance.assign(std::array{4.0F, 4.0F, 9.0F, 0.25F, 0.25F, 0.25F});
+    ASSERT_EQ(feed(frames_of(message, 40, 1'000'000)), 1U);
+    EXPECT_EQ(newest.timestamp_sample, 900'000U);
+    EXPECT_EQ(newest.latitude_deg, 47.397742);
+    EXPECT_EQ(newest.longitude_deg, 8.545594);
+    EXPECT_EQ(newest.altitude_msl_m, 488.0);
+    EXPECT_EQ(newest.eph, 2.0F);
+    EXPECT_EQ(newest.epv, 3.0F);
+    EXPECT_EQ(newest.fix_type, SensorGps::FixType::kFix3d);
+    EXPECT_EQ(newest.satellites_used, 9);
+}
+
+TEST_F(Gnss, without_covariance_the_geometry_tells_the_error) {
+    feed(frames_of(Auxiliary{.hdop = 0.75F, .vdop = 1.5F}, 40, 1'000'000));
+    ASSERT_EQ(feed(frames_of(fix(), 40, 1'000'000)), 1U);
+    EXPECT_EQ(newest.eph, 1.5F);
+    EXPECT_EQ(newest.epv, 3.0F);
+    EXPECT_TRUE(math::is_nan(newest.s_variance_m_s));
+}
+
+TEST_F(Gnss, an_impossible_fix_is_dropped_and_the_next_one_taken) {
+    Fix2 far = fix();
+    far.latitude_deg_1e8 = 9'000'000'001;
+    EXPECT_EQ(feed(frames_of(far, 40, 1'000'000, 0)), 0U);
+    EXPECT_EQ(node.counters().undecodable, 1U);
+    Fix2 wild = fix();
+    wild.ned_velocity[1] = math::canonical_nan<float>();
+    EXPECT_EQ(feed(frames_of(wild, 40, 1'200'000, 1)), 0U);
+    EXPECT_EQ(feed(frames_of(fix(), 40, 1'400'000, 2)), 1U);
+}
+
+TEST_F(Gnss, a_second_receiver_is_heard_once_the_first_is_silent) {
+    EXPECT_EQ(feed(frames_of(fix(), 40, 1'000'000)), 1U);
+    EXPECT_EQ(feed(frames_of(fix(), 41, 1'200'000)), 0U);
+    EXPECT_EQ(feed(frames_of(fix(), 41, 4'300'000, 1)), 1U);
+}
+
+// --- dronecan_node ---
+
+TEST(DronecanAllocator, gives_the_same_part_the_same_id_even_without_its_table) {
+    using Message = Allocator::Message;
+    const auto allocate = [](Allocator& allocator, uint8_t seed) {
+        uint8_t node = 0;
+        uint64_t now_us = 1'000'000;
+        for (const auto& [first, count] : {std::pair{0, 6}, {6, 6}, {12, 4}}) {
+            Message request{.first_part_of_unique_id = first == 0};
+            request.unique_id.count = static_cast<uint16_t>(count);
+            for (int i = 0; i < count; ++i) {
+                request.unique_id.items[static_cast<unsigned>(i)] =
+                    static_cast<uint8_t>(seed + first + i);
+            }
+            const auto answer = allocator.answer(request, now_us += 1000);
+            if (answer) node = answer->node_id;
+        }
+        return node;
+    };
+    Allocator one;
+    Allocator other;
+    one.set_range(50, 125);
+    other.set_range(50, 125);
+    const uint8_t a = allocate(one, 1);
+    const uint8_t b = allocate(one, 2);
+    EXPECT_NE(a, 0);
+    EXPECT_NE(b, 0);
+    EXPECT_NE(a, b);
+    EXPECT_EQ(allocate(one, 1), a);
+    EXPECT_EQ(allocate(other, 2), b);
+
+    Allocator full;
+    full.set_range(50, 51);
+    full.note_taken(50);
+    EXPECT_EQ(allocate(full, 1), 51);
+    EXPECT_EQ(allocate(full, 2), 0) << "no id is left";
+}
+
+TEST(DronecanAllocator, a_piece_that_comes_late_or_out_of_turn_is_no_continuation) {
+    Allocator allocator;
+    allocator.set_range(50, 125);
+    Allocator::Message piece;
+    piece.unique_id.count = 6;
+    EXPECT_FALSE(allocator.answer(piece, 1000));
+    piece.first_part_of_unique_id = true;
+    EXPECT_TRUE(allocator.answer(piece, 2000));
+    piece.first_part_of_unique_id = false;
+    EXPECT_FALSE(allocator.answer(piece, 2000 + 500'001));
+    piece.first_part_of_unique_id = true;
+    EXPECT_TRUE(allocator.answer(piece, 600'000));
+    piece.first_part_of_unique_id = false;
+    piece.unique_id.count = 5;
+    EXPECT_FALSE(allocator.answer(piece, 601'000));
+}
+
+TEST(DronecanParameters, are_written_within_their_range_and_by_who_may) {
+    using GetSet = ParameterServer::GetSet;
+    DronecanNodeParams params{.last_given = 125};
+    GetSet::Request request;
+    request.name.assign(std::string_view("dronecan_node.last_given"));
+    request.value.tag = dronecan::protocol::param::Value::Tag::kIntegerValue;
+    request.value.integer_value = 99;
+    EXPECT_EQ(ParameterServer::answer(request, params, false).value.integer_value, 125);
+    EXPECT_EQ(ParameterServer::answer(request, params, true).value.integer_value, 99);
+    request.value.integer_value = 126;
+    EXPECT_EQ(ParameterServer::answer(request, params, true).value.integer_value, 99);
+    EXPECT_EQ(params.last_given, 99);
+    request.name.count = 3;
+    EXPECT_EQ(ParameterServer::answer(request, params, true).name.count, 0);
+}
+
+// Runs the node every 2 ms, with one frame more each time, and collects what it sends.
+struct NodeTest : ::testing::Test {
+    void run(const std::vector<CanFrame>& frames, unsigned more = 0) {
+        for (unsigned i = 0; i < frames.size() + more; ++i) {
+            now_us += 2000;
+            VehicleStatus status{.arming_state = armed ? VehicleStatus::ArmingState::kArmed
+                                                       : VehicleStatus::ArmingState::kDisarmed};
+            DronecanNodePorts ports{.now = now_us,
+                                    .can = i < frames.size() ? Input(frames[i]) : Input<CanFrame>(),
+                                    .status = Input(status),
+                                    .params = Input(params, is_first)};
+            is_first = false;
+            stator::testing::Probe sent(ports.frames, now_us);
+            stator::testing::Probe restart(ports.restart, now_us);
+            node.step(ports);
+            sent_count += sent.count();
+            restarts += restart.count();
+            if (sent.count() != 0) newest = sent.newest();
+        }
+    }
+
+    DronecanNode node;
+    DronecanNodeParams params{.node_id = kOwnId,
+                              .serial_number = 1,
+                              .first_node = 1,
+                              .last_node = 127,
+                              .tool = 127,
+                              .first_given = 50,
+                              .last_given = 125};
+    bool armed = false;
+    bool is_first = true;
+    uint64_t now_us = 1'000'000;
+    uint32_t sent_count = 0;
+    uint32_t restarts = 0;
+    CanFrame newest{};
+};
+
+TEST_F(NodeTest, says_how_it_is_once_a_second) {
+    run({}, 1);
+    EXPECT_EQ(sent_count, 1U);
+    EXPECT_EQ(decoded<dronecan::protocol::NodeStatus>(newest).uptime_sec, 1U);
+    run({}, 499);
+    EXPECT_EQ(sent_count, 1U);
+    run({}, 1);
+    EXPECT_EQ(sent_count, 2U);
+}
+
+TEST_F(NodeTest, a_long_answer_goes_out_four_frames_at_a_time) {
+    run({}, 1);
+    run(frames_of(dronecan::protocol::GetNodeInfo::Request{}, 99, now_us));
+    EXPECT_EQ(sent_count, 1U + 4U);
+    run({}, 10);
+    // 7 + 15 + 19 bytes of status and versions, 18 of the name, 2 of the checksum: 9 frames.
+    EXPECT_EQ(sent_count, 1U + 9U);
+}
+
+TEST_F(NodeTest, restarts_for_the_tool_and_disarmed_only) {
+    using Restart = dronecan::protocol::RestartNode;
+    const Restart::Request request{.magic_number = Restart::Request::kMagicNumber};
+    run(frames_of(request, 99, now_us), 1);
+    EXPECT_EQ(restarts, 0U);
+    armed = true;
+    run(frames_of(request, 127, now_us, 1), 1);
+    EXPECT_EQ(restarts, 0U);
+    armed = false;
+    run(frames_of(Restart::Request{.magic_number = 1}, 127, now_us, 2), 1);
+    EXPECT_EQ(restarts, 0U);
+    run(frames_of(request, 127, now_us, 3), 1);
+    EXPECT_EQ(restarts, 1U);
+    EXPECT_TRUE(decoded<Restart::Response>(newest).ok);
+}
+
+}  // namespace
+}  // namespace stator
