@@ -16,16 +16,9 @@ from pathlib import Path
 from stator.build import SLEEP, build_plant
 from stator.diagnostics import UserError
 from stator.firmware import build_image
-from stator.fly import (
-    add_flight_arguments,
-    default_log,
-    facts_of,
-    flight_options,
-    keep,
-    rates_of,
-    recording_of,
-    report,
-)
+from stator.flight_arguments import add_flight_arguments, flight_options, rates_of, recording_of
+from stator.flight_facts import default_log, facts_of, keep
+from stator.flight_report import report
 from stator.library import HOME
 from stator.progress import progress
 

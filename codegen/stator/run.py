@@ -13,17 +13,9 @@ from typing import TYPE_CHECKING, Any
 from stator.build import build
 from stator.cli import make_plan
 from stator.diagnostics import UserError
-from stator.fly import (
-    add_flight_arguments,
-    default_log,
-    facts_of,
-    flight_options,
-    flight_rows,
-    log_row,
-    rates_of,
-    recording_of,
-    show,
-)
+from stator.flight_arguments import add_flight_arguments, flight_options, rates_of, recording_of
+from stator.flight_facts import default_log, facts_of
+from stator.flight_report import flight_rows, log_row, show
 from stator.progress import progress
 
 if TYPE_CHECKING:

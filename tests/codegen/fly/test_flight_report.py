@@ -1,0 +1,43 @@
+"""What a report says of a mission, row by row."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stator.flight_report import flight_rows
+
+FACTS: dict[str, Any] = {
+    "mission": "square",
+    "items_reached": 1,
+    "items_total": 2,
+    "items": [{"kind": "takeoff", "reached_s": 9.71}, {"kind": "waypoint", "reached_s": None}],
+    "modes": [
+        {"armed": True, "mode": "mission", "time_s": 3.64, "failsafe": ""},
+        {"armed": True, "mode": "return", "time_s": 12.0, "failsafe": "rc_lost"},
+    ],
+    "limits": {"corridor": 2.0, "touchdown_speed": 1.0},
+    "corridor_m": 1.3,
+    "tracking_rms_m": 0.48,
+    "truth_off_setpoint_rms_m": 0.68,
+    "truth_off_setpoint_max_m": 1.4,
+    "take_off_s": 5.78,
+    "max_error_m": None,
+    "attitude_error_deg": None,
+    "touchdown_s": 49.67,
+    "touchdown_m_s": 0.45,
+}
+
+
+def test_a_missions_rows() -> None:
+    assert [f"{label:<10}{text}" for label, text in flight_rows(FACTS)] == [
+        "mission   1 of 2 items reached",
+        "items      1 takeoff           9.71 s",
+        "items      2 waypoint        not reached",
+        "modes        mission           3.64 s",
+        "modes        return           12.00 s  because of rc_lost",
+        "measured    1.30 m  off the straight way at most (limit 2 m)",
+        "measured    0.48 m  horizontal RMS of estimate off setpoint, moving",
+        "in flight   0.68 m  RMS truth off setpoint, 1.40 m at most",
+        "take-off  at 5.78 s",
+        "touchdown at 49.67 s with 0.45 m/s (limit 1 m/s)",
+    ]
