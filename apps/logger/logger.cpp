@@ -22,6 +22,7 @@ uint16_t text_bytes(const char* text) {
 void Logger::step(LoggerPorts& ports) {
     published_ = 0;
     if (write_definitions(ports)) {
+        write_events(ports);
         write_samples(ports);
         if (ports.log->recording != nullptr) write_recording(ports);
     }
@@ -133,6 +134,19 @@ void Logger::write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id,
     std::byte* copy = block_ + used_;  // `begin` made room for the whole sample
     write(ports, sample, bytes);
     canonicalise(copy, row.floats, row.float_count);
+}
+
+void Logger::write_events(LoggerPorts& ports) {
+    constexpr char kWarning = '4';
+    Event event;
+    while (has_room() && ports.log->events->next(events_read_, event)) {
+        const size_t bytes = size_t{text_bytes(event.what)} + text_bytes(event.name);
+        begin(ports, 'L', sizeof kWarning + sizeof event.time_us + bytes);
+        write(ports, &kWarning, sizeof kWarning);
+        write(ports, &event.time_us, sizeof event.time_us);
+        write_text(ports, event.what);
+        write_text(ports, event.name);
+    }
 }
 
 void Logger::write_dropout(LoggerPorts& ports, uint64_t duration_us) {

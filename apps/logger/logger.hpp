@@ -30,6 +30,7 @@ class Logger {
     void write_format(LoggerPorts& ports, const LogTopic& row);
     void write_parameter(LoggerPorts& ports, const LogParameter& parameter);
     void write_info(LoggerPorts& ports, const char* key, const char* text);
+    void write_events(LoggerPorts& ports);
     void write_samples(LoggerPorts& ports);
     void write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id,
                       const std::byte* sample);
@@ -49,7 +50,8 @@ class Logger {
     void write_text(LoggerPorts& ports, const char* text);
     void flush(LoggerPorts& ports);
 
-    uint32_t defined_ = 0;    // definitions written
+    uint32_t defined_ = 0;  // definitions written
+    uint32_t events_read_ = 0;
     unsigned published_ = 0;  // blocks of this activation
     size_t used_ = 0;
     uint64_t flushed_us_ = 0;

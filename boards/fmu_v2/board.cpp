@@ -6,18 +6,16 @@
 #include "stator/cortex_m.hpp"
 #include "stm32f4/clock_tree.hpp"
 #include "stm32f4/timer.hpp"
+#include "stm32f4/watchdog.hpp"
 
 namespace stator::board {
 
 namespace {
 
 constexpr uint32_t kCrystal_mhz = 24;
+constexpr uint32_t kWatchdog_ms = 500;  // nominal: 340 to 940, ten turns of the monitor and more
 constexpr stm32f4::MicrosecondTimer kTimer;
-
-// Low: no pulse. A speed controller that sees none stops its motor.
-void make_safe() {
-    for (const stm32f4::Pin& output : pins::kMotorOutputs) output.make_output(false);
-}
+constexpr stm32f4::Watchdog kWatchdog;
 
 // Nobody is selected while the supplies come up.
 void start_pins() {
@@ -27,14 +25,12 @@ void start_pins() {
     pins::kPeripheralSupplyOff.make_output(false);
 }
 
-[[noreturn]] void stop() {
-    make_safe();
-    pins::kAmberLed.make_output(false);
-    while (true) {
-    }
-}
-
 }  // namespace
+
+// Low: no pulse. A speed controller that sees none stops its motor.
+void make_safe() {
+    for (const stm32f4::Pin& output : pins::kMotorOutputs) output.make_output(false);
+}
 
 uint32_t timer_us() {
     return kTimer.us();
@@ -47,14 +43,16 @@ void prepare() {
     start_pins();
 }
 
-void start() {}
-
-void halt(const char*) {
-    stop();
+// If the hardware does not take the time, the watchdog runs with its longest one.
+void start() {
+    static_cast<void>(kWatchdog.start(kWatchdog_ms));
 }
 
-void halt(const Fault&) {
-    stop();
+void kick_watchdog() {
+    kWatchdog.kick();
 }
+
+// Who asks on the link is told.
+void report(const Record&) {}
 
 }  // namespace stator::board

@@ -114,6 +114,8 @@ void print(const board::RealWorld& world, double wall_s) {
     // Threads do not interrupt each other where a program could count it.
     std::printf("\"unrecorded_activations\": %llu, ",
                 static_cast<unsigned long long>(recording_counts().lost));
+    std::printf("\"missed_life_signs\": %llu, ", static_cast<unsigned long long>(missed_life_signs(
+                                                     program.watched, program.watched_count)));
     print_refusals();
     std::printf(", ");
     print_levels(wall_s);

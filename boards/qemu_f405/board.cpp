@@ -2,6 +2,9 @@
 // 0, the world moves up to now, fills the devices that sampled meanwhile, and pends their vectors.
 #include "board.hpp"
 
+#include <limits>
+#include <utility>
+
 #include "lines.hpp"
 #include "link.hpp"
 #include "newest.hpp"
@@ -38,11 +41,11 @@ StorageSim::Device log_storage;
 
 namespace {
 
-constexpr uint8_t kStepVector = 28;  // TIM2
+constexpr uint8_t kAnyVector = 28;
 constexpr uint32_t kPriorityBits = 0xF0;
 
 constexpr Clock kClock;
-constexpr StepTimer kStepTimer;
+bool is_kicked = false;
 semihosting::File to_plant;
 semihosting::File from_plant;
 semihosting::File log_file;
@@ -62,11 +65,13 @@ bool append(const uint8_t* bytes, size_t count) {
 
 [[noreturn]] void finish() {
     const RecordingCounts recording = recording_counts();
-    link::ToPlant message{.kind = link::ToPlant::Kind::kFinished,
-                          .time_us = clock_us(),
-                          .missed_samples = missed_samples,
-                          .preemptions = recording.preemptions,
-                          .unrecorded_activations = recording.lost};
+    link::ToPlant message{
+        .kind = link::ToPlant::Kind::kFinished,
+        .time_us = clock_us(),
+        .missed_samples = missed_samples,
+        .preemptions = recording.preemptions,
+        .unrecorded_activations = recording.lost,
+        .missed_life_signs = missed_life_signs(program.watched, program.watched_count)};
     for (unsigned i = 0; i < program.task_count; ++i) {
         message.activations += program.tasks[i].counters->activations;
         message.lost_samples += program.tasks[i].counters->lost_samples;
@@ -164,10 +169,9 @@ uint32_t timer_us() {
 
 void prepare() {
     kClock.start();
-    nvic::priority(kStepVector) = 0xFF;
-    require(nvic::priority(kStepVector) == kPriorityBits,
+    nvic::priority(kAnyVector) = 0xFF;
+    require(nvic::priority(kAnyVector) == kPriorityBits,
             "this emulator has not the chip's 4 priority bits: QEMU 10 is needed");
-    nvic::priority(kStepVector) = 0;
     require(to_plant.open(link::kToPlant, semihosting::Mode::kWrite) &&
                 from_plant.open(link::kFromPlant, semihosting::Mode::kRead),
             "there is no plant: ./stator emulate starts one");
@@ -178,7 +182,7 @@ void prepare() {
 
 void start() {
     kStepTimer.start();
-    nvic::set_enable(kStepVector / 32U).write(1U << kStepVector % 32U);
+    kWatchdogTimer.start();
 }
 
 // The lines are pended by software, so that there is nothing to acknowledge.
@@ -214,28 +218,37 @@ void tim2_interrupt() {
     hand_over(answer);
 }
 
-void halt(const char* what) {
-    semihosting::print("stator: ");
-    semihosting::print(what);
-    semihosting::print("\n");
-    semihosting::exit(1);
+[[gnu::naked]] void tim3_interrupt();
+void tim3_interrupt() {
+    asm volatile("b %c0" ::"i"(stator_watchdog_timer));
 }
 
-void halt(const Fault& fault) {
-    semihosting::print("stator: fault: exception ");
-    semihosting::print(fault.exception);
-    semihosting::print(" at ");
-    semihosting::print(fault.program_counter);
-    semihosting::print(", CFSR ");
-    semihosting::print(fault.status);
-    semihosting::print(", HFSR ");
-    semihosting::print(fault.hard_status);
-    semihosting::print(", MMFAR ");
-    semihosting::print(fault.memory_address);
-    semihosting::print(", BFAR ");
-    semihosting::print(fault.bus_address);
+void kick_watchdog() {
+    is_kicked = true;
+}
+bool watchdog_was_kicked() {
+    kWatchdogTimer.acknowledge();
+    return std::exchange(is_kicked, false);
+}
+
+// The plant stops its motors at a value that is no number.
+void make_safe() {
+    constexpr float kStopped = std::numeric_limits<float>::quiet_NaN();
+    const link::ToPlant message{.kind = link::ToPlant::Kind::kCommand,
+                                .time_us = clock_us(),
+                                .control = {kStopped, kStopped, kStopped, kStopped}};
+    // Where there is no plant there are no motors.
+    if (to_plant.is_open()) static_cast<void>(to_plant.write(&message, sizeof message));
+}
+
+// For the host: codegen/stator/fault_record.py reads it. The flight is over then, as the world has
+// gone on; but tests want to see more resets than one.
+void report(const Record& record) {
+    semihosting::print("stator: record ");
+    const auto* bytes = reinterpret_cast<const uint8_t*>(&record);
+    for (size_t i = 0; i < sizeof record; ++i) semihosting::print_byte(bytes[i]);
     semihosting::print("\n");
-    semihosting::exit(1);
+    if (is_safe_mode() || !semihosting::was_told(link::kRestart)) semihosting::exit(1);
 }
 
 }  // namespace stator::board

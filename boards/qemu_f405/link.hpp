@@ -11,6 +11,8 @@ namespace stator::link {
 inline constexpr char kToPlant[] = "to_plant";
 inline constexpr char kFromPlant[] = "from_plant";
 inline constexpr char kLog[] = "flight.ulg";
+// As a word for the firmware: start again after a fault, instead of ending the emulation.
+inline constexpr char kRestart[] = "restart";
 
 struct ToPlant {
     enum class Kind : uint64_t {
@@ -26,8 +28,9 @@ struct ToPlant {
     uint64_t missed_samples = 0;  // that a device still busy with the one before did not take
     uint64_t preemptions = 0;
     uint64_t unrecorded_activations = 0;
+    uint64_t missed_life_signs = 0;
 };
-static_assert(sizeof(ToPlant) == 72);
+static_assert(sizeof(ToPlant) == 80);
 
 // What the sensors saw since the step before; of each, the newest sample.
 struct FromPlant {

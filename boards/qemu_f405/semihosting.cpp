@@ -13,6 +13,7 @@ constexpr uint32_t kOpen = 0x01;
 constexpr uint32_t kWrite0 = 0x04;
 constexpr uint32_t kWrite = 0x05;
 constexpr uint32_t kRead = 0x06;
+constexpr uint32_t kCommandLine = 0x15;
 constexpr uint32_t kExitExtended = 0x20;
 constexpr uint32_t kApplicationExit = 0x20026;
 
@@ -49,6 +50,13 @@ bool File::write(const void* bytes, size_t count) const {
     return transfer(kWrite, handle_, bytes, count);
 }
 
+bool was_told(const char* word_to_find) {
+    std::array<char, 256> text{};
+    std::array<uint32_t, 2> block{word(text.data()), text.size()};
+    if (call(kCommandLine, block.data()) != 0) return false;
+    return std::strstr(text.data(), word_to_find) != nullptr;
+}
+
 void print(const char* text) {
     call(kWrite0, text);
 }
@@ -58,6 +66,12 @@ void print(uint32_t value) {
     for (unsigned digit = 0; digit < 8; ++digit) {
         text[2 + digit] = "0123456789abcdef"[(value >> (28 - 4 * digit)) & 0xFU];
     }
+    print(text.data());
+}
+
+void print_byte(uint8_t value) {
+    constexpr char kDigits[] = "0123456789abcdef";
+    const std::array<char, 3> text{kDigits[value >> 4], kDigits[value & 0xFU]};
     print(text.data());
 }
 

@@ -13,6 +13,7 @@ enum class Mode : uint32_t { kRead = 1, kWrite = 5 };  // fopen's "rb" and "wb"
 // A file of the host. Each call says whether it did all that was asked; the host may block it.
 class File {
   public:
+    bool is_open() const { return handle_ != -1; }
     [[nodiscard]] bool open(const char* path, Mode mode);
     [[nodiscard]] bool read(void* bytes, size_t count) const;
     [[nodiscard]] bool write(const void* bytes, size_t count) const;
@@ -21,9 +22,13 @@ class File {
     int32_t handle_ = -1;
 };
 
+// True if the word stands on the command line that the host gives the firmware.
+bool was_told(const char* word);
+
 // On the emulator's console.
 void print(const char* text);
 void print(uint32_t value);
+void print_byte(uint8_t value);  // two hexadecimal digits
 [[noreturn]] void exit(uint32_t status);
 
 }  // namespace stator::semihosting

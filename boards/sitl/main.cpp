@@ -105,6 +105,8 @@ void print(const Run& run) {
     std::printf("\"preemptions\": %llu, \"unrecorded_activations\": %llu, ",
                 static_cast<unsigned long long>(run.recording.preemptions),
                 static_cast<unsigned long long>(run.recording.lost));
+    std::printf("\"missed_life_signs\": %llu, ", static_cast<unsigned long long>(missed_life_signs(
+                                                     program.watched, program.watched_count)));
     board::print_flight_facts(board::world(), run.wall_s);
     std::puts("}");
 }

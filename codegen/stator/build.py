@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # for runs in which activations take time
 RECORDING = {"STATOR_RECORDING": "ON"}  # each flight is recorded in its log, for replay
+PLAIN = {"STATOR_COUNTERS": "OFF"}  # on bare metal: nothing is noted of an activation
 SLEEP = {"STATOR_SLEEP": "ON"}  # on bare metal: sleeps when idle, instead of spinning
 TOOLCHAIN = HOME / "codegen" / "cmake" / "cortex_m4f.cmake"
 INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate", "pthread": "./stator run"}
@@ -53,7 +54,7 @@ def build(
             f"hint: build for another one, such as qemu_f405, or write its board.hpp in "
             f"{shown_path(plan.board.file.parent)}"
         )
-    names = [key if value == "ON" else value for key, value in variant.items()]
+    names = [key if value == "ON" else f"{key}_{value}" for key, value in variant.items()]
     words = [plan.graph.name, plan.board.name, *(re.sub(r"\W+", "_", name) for name in names)]
     name = "-".join(word.strip("_") for word in words)
     options = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 from typing import TYPE_CHECKING
 
-from stator.build import build
+from stator.build import PLAIN, build
 from stator.emulate import find_emulator, qemu_command
 from stator.image_checks import sections_of
 from stator.library import HOME
@@ -33,7 +33,7 @@ MOST_MASKED = 30
 def counts() -> list[tuple[str, int, int, int | None]]:
     """What, least, most, bound. Raises `NoEmulator` where there is none."""
     emulator = find_emulator()
-    image = build(GRAPH, None, executor="cortex_m")
+    image = build(GRAPH, None, PLAIN, executor="cortex_m")
     command = qemu_command(emulator, image, shift=0)
     finished = subprocess.run(command, capture_output=True, text=True, check=True, timeout=LIMIT_S)
     rows = [tuple(int(word, 16) for word in line.split()) for line in _lines(finished)]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stator.diagnostics import UserError
-from stator.emit_rows import VECTOR_WORD_BITS
+from stator.emit_rows import VECTOR_WORD_BITS, watched
+from stator.graph_hash import graph_hash
 from stator.plan import vector_of
 
 if TYPE_CHECKING:
@@ -45,6 +46,9 @@ def program(plan: Plan) -> Row:
         "timer_level": max(periodic, default=LOWEST_LEVEL),
         "task_count": len(plan.tasks),
         "clock_hz": chip.clock_hz,
+        "watched": watched(plan),
+        "graph": plan.graph.name,
+        "graph_hash": graph_hash(plan),
     }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stator.emit_rows import watched
 from stator.language import DEPTHS
 
 if TYPE_CHECKING:
@@ -28,7 +29,12 @@ def program(plan: Plan) -> Row:
             }
         )
         first_timer += timers
-    return {"levels": levels, "task_count": len(plan.tasks), "timer_count": first_timer}
+    return {
+        "levels": levels,
+        "task_count": len(plan.tasks),
+        "timer_count": first_timer,
+        "watched": watched(plan),
+    }
 
 
 def depth(plan: Plan, topic: TopicPlan) -> int:

@@ -313,6 +313,7 @@ def program(plan: Plan) -> Row:
         "words": max(1, -(-len(plan.tasks) // WORD_BITS)),
         "level_begin": begins,
         "task_count": len(plan.tasks),
+        "watched": watched(plan),
     }
 
 
@@ -320,6 +321,27 @@ def _chip_folder(plan: Plan) -> Path:
     """Where the code lies that all boards with such a chip share."""
     assert plan.board.chip is not None
     return plan.board.file.parents[1] / plan.board.chip.name.split("/")[0]
+
+
+def watched(plan: Plan) -> list[Row]:
+    """Tasks that must show life, and how often; unbound drivers never do."""
+    gated = set(modes(plan)["gated"]) if plan.graph.modes is not None else set()
+    return [
+        {
+            "name": task.node.name,
+            "task": task.index,
+            "window_us": task.window_us,
+            "gate": f"&tasks::{task.node.name}::state.gate"
+            if task.node.name in gated
+            else "nullptr",
+        }
+        for task in plan.tasks
+        if task.window_us is not None and _is_bound(plan, task.node)
+    ]
+
+
+def _is_bound(plan: Plan, node: Node) -> bool:
+    return node.device is None or plan.board.devices[node.device].driver != "none"
 
 
 def failsafe(table: Failsafe) -> Row:

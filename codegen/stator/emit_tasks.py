@@ -46,6 +46,7 @@ def task(plan: Plan, planned: Task) -> Row:
         "device": node.device or "",
         "ports": f"{interface.class_name}Ports",
         "pend": pend(plan, planned),
+        "index": planned.index,
         "level": planned.level,
         "level_begin": planned.level_begin,
         "entry": _entry(entry[0]) if entry else None,

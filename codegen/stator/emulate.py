@@ -14,7 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stator.build import SLEEP, build_plant
+from stator.cli import make_plan
 from stator.diagnostics import UserError
+from stator.fault_record import in_words
 from stator.firmware import build_image
 from stator.flight_arguments import add_flight_arguments, flight_options, rates_of, recording_of
 from stator.flight_facts import default_log, facts_of, keep
@@ -69,7 +71,8 @@ def main(arguments: argparse.Namespace) -> int:
     with progress(name, truth, arguments.duration):
         finished = fly(emulator, image, [str(plant), *options], log)
         if finished.returncode != 0:
-            print(finished.stderr.rstrip(), file=sys.stderr)
+            plan = make_plan(str(arguments.graph), arguments.board)
+            print(in_words(finished.stderr, plan, image).rstrip(), file=sys.stderr)
             return 2
         facts = facts_of(finished, log, truth, is_recorded=not arguments.no_record)
     facts |= rates_of(arguments)
@@ -111,8 +114,9 @@ def _output(*command: str) -> str:
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def qemu_command(emulator: Emulator, image: Path, shift: int = SHIFT) -> list[str]:
-    """`shift`: an instruction takes 2^shift nanoseconds."""
+def qemu_command(emulator: Emulator, image: Path, shift: int = SHIFT, told: str = "") -> list[str]:
+    """`shift`: an instruction takes 2^shift nanoseconds. `told`: words for the firmware."""
+    argument = f",arg={told}" if told else ""
     return [
         *(
             emulator.path,
@@ -123,13 +127,18 @@ def qemu_command(emulator: Emulator, image: Path, shift: int = SHIFT) -> list[st
             "-icount",
             f"shift={shift},align=off,sleep=off",
         ),
-        *("-display", "none", "-monitor", "none", "-serial", "none"),
-        *("-semihosting-config", "enable=on,target=native"),
+        *("-display", "none", "-monitor", "none", "-serial", "none", "-nic", "none"),
+        *("-semihosting-config", f"enable=on,target=native{argument}"),
     ]
 
 
 def fly(
-    emulator: Emulator, image: Path, plant: list[str], log: Path, shift: int = SHIFT
+    emulator: Emulator,
+    image: Path,
+    plant: list[str],
+    log: Path,
+    shift: int = SHIFT,
+    told: str = "",
 ) -> subprocess.CompletedProcess[str]:
     """Runs both sides to their end. The result is the plant's, with the complaints of both; of a
     flight that went well, what the firmware printed."""
@@ -141,7 +150,7 @@ def fly(
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         world = subprocess.Popen(plant, cwd=folder, **pipes)  # type: ignore[call-overload]
         machine = subprocess.Popen(
-            qemu_command(emulator, image.resolve(), shift),
+            qemu_command(emulator, image.resolve(), shift, told),
             cwd=folder,
             **pipes,  # type: ignore[call-overload]
         )

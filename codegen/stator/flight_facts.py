@@ -53,6 +53,7 @@ def facts_of(
         "activations": None,
         "preemptions": None,
         "unrecorded_activations": None,
+        "missed_life_signs": None,
         "duration_s": None,
         "max_error_m": None,
         "rms_error_m": None,

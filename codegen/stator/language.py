@@ -67,7 +67,7 @@ TRIGGER = Struct(
         "min_interval": Key(Period(), "Activate at most this often, keeping the mean rate."),
         "every": Key(Period(), "A period."),
         "offset": Key(Period(least_us=0), "First release of the period."),
-        "max_interval": Key(Period(), "Watch that the trigger comes at least this often."),
+        "max_interval": Key(Period(), "The task is watched for life: it runs at least this often."),
     }
 )
 

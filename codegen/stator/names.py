@@ -20,7 +20,7 @@ _RUNTIME = frozenset("std stator now fired params timestamp main step".split())
 _GENERATED = frozenset(
     """tasks topics lines board boards modes math testing messages parameters executor log_table
     interfaces generated all_slots served_now later nominal_time_us set_pending clear_pending
-    has_unread lost_samples preempt take_latest release""".split()
+    has_unread count_activation lost_samples preempt take_latest release""".split()
 )
 _CLASSES = ("a node", "an app", "a device class")  # a node's name is its app's, as a rule
 _IN_GENERATED = ("a node", "an app", "a topic", "a device", "a device class")
@@ -29,8 +29,9 @@ _IN_GENERATED = ("a node", "an app", "a topic", "a device", "a device class")
 _TYPES = frozenset(
     """Shared Topic TopicState Thinned ThinnedState Pin Loan Input Output Pend Section Executor
     Timer TimerState Line LineState Task TaskCounters Program RandomTimes Random LogTable LogTopic
-    Params Ports Fired Device SharedTime Interrupt Fault Register Level LevelFacts Lock Mutex
-    Ending PendingWord Refusal RingEntry Settings SlotState""".split()
+    Params Ports Fired Device SharedTime Interrupt Register Level LevelFacts Lock Mutex
+    Ending PendingWord Refusal RingEntry Settings SlotState Activation ActivationRing Event Events
+    KeptRecord ModeGate Record WatchState Watched""".split()
 )
 
 

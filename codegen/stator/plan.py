@@ -32,6 +32,14 @@ class Task:
     level_begin: int  # index of the first task of its level
     vector: int | None
 
+    @property
+    def window_us(self) -> int | None:
+        """The longest that the task may go without an activation; None: it is not watched. Two
+        periods, as one activation may come at the start of its period and the next at the end."""
+        written = [t.max_interval_us for t in self.node.triggers if t.max_interval_us is not None]
+        periods = [2 * t.period_us for t in self.node.triggers if t.kind == "every"]
+        return min(written or periods, default=None)
+
 
 @dataclass(frozen=True)
 class Plan:

@@ -13,6 +13,12 @@ constexpr uint64_t kLongestSleep_us = 50'000;
 // one, so that a reader sees whether this word lags behind the timer, whoever preempts it.
 Shared<uint32_t> half_periods;
 
+}  // namespace
+
+Shared<uint32_t> release_count;
+
+namespace {
+
 constexpr uint32_t corrected(uint32_t known, uint32_t timer) {
     return known + ((known ^ (timer >> 31)) & 1U);
 }
@@ -55,6 +61,7 @@ bool note_line(LineState& line, uint32_t min_interarrival_us) {
 
 // The handler of SysTick; called once before it runs.
 void stator_release() {
+    release_count.store(release_count.load() + 1);
     half_periods.store(corrected(half_periods.load(), board::timer_us()));
     uint64_t now_us = clock_us();
     uint64_t next_us = release_due(now_us);

@@ -42,6 +42,7 @@ void enable_faults() {
     scb::kConfiguration.set(scb::kDivideByZeroFaults);
     scb::kHandlers.set(scb::kFaultHandlers);
     barrier();
+    guard_memory();
 }
 
 void enable_vectors() {
@@ -58,22 +59,40 @@ void enable_vectors() {
 }
 
 // Not inlined: the compiler takes the block for a few bytes, and would branch too far around it.
-[[noreturn, gnu::noinline]] void idle() {
-    while (true) {
+[[gnu::noinline]] void rest() {
 #ifdef STATOR_SLEEP
-        asm volatile("wfi" ::: "memory");
+    asm volatile("wfi" ::: "memory");
 #else
-        // An emulator runs a long block at once, and a short loop slowly.
-        asm volatile(".rept 128\n\tnop\n\t.endr" ::: "memory");
+    // An emulator runs a long block at once, and a short loop slowly.
+    asm volatile(".rept 128\n\tnop\n\t.endr" ::: "memory");
 #endif
+}
+
+// The monitor runs after each of SysTick, which comes at least every 50 ms.
+[[noreturn]] void idle() {
+    for (uint32_t seen = 0;;) {
+        const uint32_t wakes = release_count.load();
+        if (wakes != seen) monitor();
+        seen = wakes;
+        rest();
     }
+}
+
+// After too many resets the graph does not start: the motors stay in their defined state.
+[[noreturn]] void stay_safe() {
+    board::make_safe();
+    stator_release();
+    idle();
 }
 
 [[noreturn, gnu::noinline]] void run() {
     fill_memory();
     enable_faults();
     construct();
+    take_record();
+    if (last_record.cause != Record::Cause::kNone) board::report(last_record);
     board::prepare();
+    if (is_safe_mode()) stay_safe();
     program.start();
     enable_vectors();
     board::start();

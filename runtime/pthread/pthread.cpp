@@ -6,6 +6,7 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -18,9 +19,12 @@
 
 namespace stator {
 
+Events event_log;
+
 namespace {
 
 constexpr uint64_t kLongestEnd_us = 1'000'000;
+constexpr uint64_t kWatchPeriod_us = 5'000;
 constexpr timespec kPollPeriod{.tv_sec = 0, .tv_nsec = 200'000};
 
 int signals = -1;
@@ -93,7 +97,8 @@ Ending wait_until(uint64_t end_us) {
     for (;;) {
         const uint64_t now_us = clock_us();
         if (now_us >= end_us) return Ending::kTime;
-        const uint64_t left_us = end_us - now_us;
+        all_show_life(program.watched, program.watched_count, now_us);
+        const uint64_t left_us = std::min(end_us - now_us, kWatchPeriod_us);
         const timespec left{.tv_sec = static_cast<time_t>(left_us / 1'000'000),
                             .tv_nsec = static_cast<long>(left_us % 1'000'000) * 1000};
         pollfd waits[] = {{stops, POLLIN, 0}, {signals, POLLIN, 0}};

@@ -6,9 +6,12 @@
 #include <cstdlib>
 #include <vector>
 
+#include "stator/events.hpp"
+
 namespace stator {
 
 Executor executor;
+Events event_log;
 
 namespace {
 
@@ -170,6 +173,7 @@ void run_until(uint64_t end_us) {
         pend_due();
         executor.preemption_armed = armed;
         preempt();
+        all_show_life(program.watched, program.watched_count, executor.now_us);
     }
 }
 

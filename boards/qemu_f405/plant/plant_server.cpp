@@ -159,6 +159,7 @@ void print(const Server& server, double wall_s) {
     std::printf("\"preemptions\": %llu, \"unrecorded_activations\": %llu, ",
                 wide(server.finished().preemptions),
                 wide(server.finished().unrecorded_activations));
+    std::printf("\"missed_life_signs\": %llu, ", wide(server.finished().missed_life_signs));
     board::print_flight_facts(server.world(), wall_s);
     std::puts("}");
 }

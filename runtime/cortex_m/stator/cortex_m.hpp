@@ -4,7 +4,9 @@
 
 #include <cstdint>
 
+#include "stator/record.hpp"
 #include "stator/task.hpp"
+#include "stator/watch.hpp"
 
 namespace stator {
 
@@ -29,8 +31,12 @@ struct Program {
     unsigned timer_level;  // highest level of a periodic task; 1 if there is none
     const Interrupt* interrupts;
     unsigned interrupt_count;
+    const Watched* watched;
+    unsigned watched_count;
     uint32_t core_clock_hz;
-    void (*start)();  // publishes the parameters
+    const char* graph;       // name
+    const char* graph_hash;  // of what behaves, in hexadecimal
+    void (*start)();         // publishes the parameters
 };
 extern const Program program;
 
@@ -39,11 +45,24 @@ extern "C" {
 [[noreturn]] void stator_reset();
 void stator_fault();  // naked; every vector that nobody uses ends here, too
 void stator_release();
+// Naked: for the timer at hardware priority 0 that a board may have as its watchdog, or as the
+// warning before it. Leaves a record and resets if the watchdog was not kicked.
+void stator_watchdog_timer();
 }
+
+// Protects the null page, the flash, the stack's end, and memory that holds no code.
+void guard_memory();
+
+// Looks for life signs, and kicks the watchdog if there are all. Context: thread mode, below every
+// task.
+void monitor();
 
 // Microseconds since boot, from the board's 32-bit timer. Any context; constant time; needs to be
 // called from anywhere at least every 2^31 us, which SysTick sees to.
 uint64_t clock_us();
+
+// How often SysTick has released what was due, modulo 2^32.
+extern Shared<uint32_t> release_count;
 
 // At the entry of a line's vector: notes it with the clock. False: refused, as too early.
 bool note_line(LineState& line, uint32_t min_interarrival_us);
@@ -54,23 +73,20 @@ inline bool is_busy(const Pend& pend) {
     return (bits & pend.mask) != 0;
 }
 
-// What a fault leaves behind. `program_counter` is 0 if the stack it lay on cannot be read.
-struct Fault {
-    uint32_t exception;  // number: 3 HardFault ... 6 UsageFault; from 16 on, a vector of nobody
-    uint32_t status;     // CFSR
-    uint32_t hard_status;
-    uint32_t memory_address;
-    uint32_t bus_address;
-    uint32_t program_counter;
-};
-
 // What a board supplies.
 namespace board {
 void prepare();  // before the graph: clocks, the 32-bit timer, devices
 void start();    // after all vectors are enabled: lines may be raised from here on
 uint32_t timer_us();
-[[noreturn]] void halt(const char* what);
-[[noreturn]] void halt(const Fault& fault);
+// Puts the motors into their defined state. Any context, also that of a fault, and before
+// `prepare`: short, bounded, without the graph.
+void make_safe();
+// Tells that the run before failed. Before `prepare`, as that may be what fails.
+void report(const Record& record);
+// Only `monitor` calls it, and only while every watched task shows life.
+void kick_watchdog();
+// Of a board that uses `stator_watchdog_timer`: whether it was, since the last call.
+bool watchdog_was_kicked();
 }  // namespace board
 
 }  // namespace stator

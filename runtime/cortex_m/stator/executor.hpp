@@ -28,7 +28,8 @@ inline void preempt() {}
 inline void preemption_point() {}
 inline constexpr bool kHasPreemptionPoints = false;
 
-// Reports `what` and ends in the board's safe state: something that cannot happen has happened.
+// Leaves a record with `what`, makes the board safe and resets: something that cannot happen has
+// happened.
 [[noreturn]] void fail(const char* what);
 inline void require(bool condition, const char* what) {
     if (!condition) [[unlikely]] {

@@ -56,6 +56,7 @@ inline constexpr uint32_t kMostTicks = 0x00FFFFFF;
 namespace scb {
 inline constexpr Register kVectorTable(0xE000ED08);
 inline constexpr Register kResetControl(0xE000ED0C);
+inline constexpr uint32_t kResetRequest = 0x05FA0004;  // VECTKEY, SYSRESETREQ
 inline constexpr Register kConfiguration(0xE000ED14);
 inline constexpr uint32_t kDivideByZeroFaults = 1U << 4;
 inline constexpr Register kSystickPriority(0xE000ED20);  // SHPR3: bits 31 to 24
@@ -70,6 +71,16 @@ inline constexpr Register kBusFaultAddress(0xE000ED38);
 inline constexpr Register kCoprocessors(0xE000ED88);
 inline constexpr uint32_t kFpuFullAccess = 0xFU << 20;
 }  // namespace scb
+
+// B3.5: memory protection unit.
+namespace mpu {
+inline constexpr Register kControl(0xE000ED94);
+inline constexpr uint32_t kEnable = 1U << 0;
+inline constexpr uint32_t kDefaultMap = 1U << 2;  // where no region says otherwise
+inline constexpr Register kRegion(0xE000ED98);
+inline constexpr Register kBase(0xE000ED9C);
+inline constexpr Register kAttributes(0xE000EDA0);
+}  // namespace mpu
 
 // B3.2.21: how exceptions save the floating-point registers.
 namespace fpu {

@@ -8,6 +8,7 @@
 
 #include "stator/line.hpp"
 #include "stator/task.hpp"
+#include "stator/watch.hpp"
 
 namespace stator {
 
@@ -38,6 +39,8 @@ struct Program {
     unsigned timer_count;
     const Level* levels;
     unsigned level_count;
+    const Watched* watched;
+    unsigned watched_count;
     void (*start)();  // connects the lines and publishes the parameters
 };
 extern const Program program;
@@ -84,7 +87,7 @@ const std::vector<Refusal>& refusals();
 bool is_real_time();  // the levels have SCHED_FIFO
 
 enum class Ending { kTime, kStopped, kSignal };
-// Waits until time `end_us`, `stop()`, or a signal.
+// Waits until time `end_us`, `stop()`, or a signal; meanwhile, looks for life signs.
 Ending wait_until(uint64_t end_us);
 int ending_signal();  // its number; 0: none
 // Any thread, any task.

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "stator/task.hpp"
+#include "stator/watch.hpp"
 
 namespace stator {
 
@@ -26,6 +27,8 @@ struct Program {
     uint64_t* pending;
     unsigned words;
     const unsigned* level_begin;
+    const Watched* watched;
+    unsigned watched_count;
     void (*start)();  // constructs drivers' connections and publishes the parameters
 };
 extern const Program program;

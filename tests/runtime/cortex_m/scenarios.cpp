@@ -24,6 +24,7 @@ TimerState slower;
 constexpr Timer kTimers[] = {{&millisecond, 1000, 0, kMiddle}, {&slower, 2500, 100, kOther}};
 
 uint32_t clock_offset = 0;
+bool is_unsafe = false;  // the board faults when it is to make the motors safe
 void (*in_low)() = nullptr;
 void (*in_middle)() = [] { print("middle "); };
 void (*in_other)() = [] { print("other "); };
@@ -129,6 +130,10 @@ void low() {
         one = one / zero;
     });
 }
+[[maybe_unused]] void nested() {
+    is_unsafe = true;
+    divide();
+}
 [[maybe_unused]] void undefined() {
     run_low([] { asm volatile("udf #0"); });
 }
@@ -172,7 +177,11 @@ constinit const Program program{.tasks = nullptr,
                                 .timer_level = 3,
                                 .interrupts = kInterrupts,
                                 .interrupt_count = 4,
+                                .watched = nullptr,
+                                .watched_count = 0,
                                 .core_clock_hz = 168'000'000,
+                                .graph = "scenarios",
+                                .graph_hash = "0123456789abcdef",
                                 .start = [] {}};
 
 extern "C" {
@@ -194,16 +203,28 @@ void prepare() {
 void start() {
     SCENARIO();
 }
-void halt(const char* what) {
-    print(what);
-    semihosting::exit(2);
+void make_safe() {
+    if (is_unsafe) Register(0x60000000).read();
 }
-void halt(const Fault& fault) {
+void kick_watchdog() {}
+bool watchdog_was_kicked() {
+    return true;
+}
+// In the next start.
+void report(const Record& record) {
+    if (record.cause == Record::Cause::kAssertion) {
+        print(record.what.data());
+        semihosting::exit(2);
+    }
     print("exception ");
-    print(fault.exception);
+    print(record.exception);
     print(" status ");
-    print(fault.status);
-    print(fault.program_counter == 0 ? " no stack" : "");
+    print(record.status);
+    print(record.has_frame == 0 ? " no stack" : "");
+    if (record.nested != 0) {
+        print(" nested ");
+        print(record.nested);
+    }
     semihosting::exit(3);
 }
 

@@ -48,6 +48,8 @@ constinit const Program program{
     .timer_count = 1,
     .levels = testing::kLevels,
     .level_count = 3,
+    .watched = nullptr,
+    .watched_count = 0,
     .start =
         [] {
             testing::line.connect(testing::line_state, testing::kPends[2],

@@ -50,6 +50,8 @@ constinit const Program program{.tasks = testing::kTasks,
                                 .pending = testing::pending,
                                 .words = 1,
                                 .level_begin = testing::kLevelBegin,
+                                .watched = nullptr,
+                                .watched_count = 0,
                                 .start = [] {}};
 
 }  // namespace stator

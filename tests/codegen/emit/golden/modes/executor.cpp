@@ -44,6 +44,16 @@ constexpr unsigned kLevelBegin[] = {
     0,
 };
 
+WatchState watch_bold;
+WatchState watch_careful;
+WatchState watch_mode_switch;
+
+constexpr Watched kWatched[] = {
+    {"bold", 0, &tasks::bold::state.counters, &watch_bold, 10000, &tasks::bold::state.gate},
+    {"careful", 2, &tasks::careful::state.counters, &watch_careful, 20000, &tasks::careful::state.gate},
+    {"mode_switch", 3, &tasks::mode_switch::state.counters, &watch_mode_switch, 200000, nullptr},
+};
+
 void start_graph() {
     topics::prepare();
     publish_parameters();
@@ -61,6 +71,8 @@ constinit const Program program{
     .pending = pending,
     .words = 1,
     .level_begin = kLevelBegin,
+    .watched = kWatched,
+    .watched_count = 3,
     .start = start_graph,
 };
 

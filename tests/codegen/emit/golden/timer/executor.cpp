@@ -39,6 +39,12 @@ constexpr unsigned kLevelBegin[] = {
     0,
 };
 
+WatchState watch_counter;
+
+constexpr Watched kWatched[] = {
+    {"counter", 0, &tasks::counter::state.counters, &watch_counter, 20000, nullptr},
+};
+
 void start_graph() {
     topics::prepare();
     publish_parameters();
@@ -55,6 +61,8 @@ constinit const Program program{
     .pending = pending,
     .words = 1,
     .level_begin = kLevelBegin,
+    .watched = kWatched,
+    .watched_count = 1,
     .start = start_graph,
 };
 

@@ -42,6 +42,14 @@ constexpr unsigned kLevelBegin[] = {
     0,
 };
 
+WatchState watch_fast;
+WatchState watch_slow;
+
+constexpr Watched kWatched[] = {
+    {"fast", 0, &tasks::fast::state.counters, &watch_fast, 20000, nullptr},
+    {"slow", 2, &tasks::slow::state.counters, &watch_slow, 400000, nullptr},
+};
+
 void start_graph() {
     topics::prepare();
     publish_parameters();
@@ -58,6 +66,8 @@ constinit const Program program{
     .pending = pending,
     .words = 1,
     .level_begin = kLevelBegin,
+    .watched = kWatched,
+    .watched_count = 2,
     .start = start_graph,
 };
 

@@ -41,14 +41,12 @@ void tim4_interrupt() {
     counting::reach(counting::Place::kEmpty, nullptr);
 }
 
-void halt(const char* what) {
-    semihosting::print("stator: ");
-    semihosting::print(what);
-    semihosting::exit(1);
-}
-void halt(const Fault& fault) {
-    semihosting::print("stator: fault at ");
-    semihosting::print(fault.program_counter);
+void make_safe() {}
+void kick_watchdog() {}
+void report(const Record& record) {
+    semihosting::print("stator: failed at ");
+    semihosting::print(record.frame[6]);
+    semihosting::print(record.what.data());
     semihosting::exit(1);
 }
 

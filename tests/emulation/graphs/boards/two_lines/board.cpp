@@ -13,7 +13,6 @@ SwitchTest::Device switch1;
 namespace {
 
 constexpr uint32_t kSharedVector = 23;  // EXTI9_5
-constexpr uint32_t kStepVector = 28;    // TIM2: each millisecond, at hardware priority 0
 
 enum Line : uint32_t { kUp0 = 1, kDown0 = 2, kUp1 = 4 };
 uint32_t raised = 0;
@@ -37,9 +36,7 @@ void prepare() {
     Clock().start();
 }
 void start() {
-    StepTimer().start();
-    nvic::priority(kStepVector) = 0;
-    nvic::set_enable(kStepVector / 32).write(1U << kStepVector % 32);
+    kStepTimer.start();
 }
 
 bool take_switch0_up();
@@ -57,7 +54,7 @@ bool take_switch1_up() {
 
 void tim2_interrupt();
 void tim2_interrupt() {
-    StepTimer().acknowledge();
+    kStepTimer.acknowledge();
     static uint32_t time_ms = 0;
     ++time_ms;
     semihosting::print(" ");
@@ -68,12 +65,12 @@ void tim2_interrupt() {
     if (time_ms == 17) semihosting::exit(0);
 }
 
-void halt(const char* what) {
-    semihosting::print(what);
-    semihosting::exit(1);
-}
-void halt(const Fault& fault) {
-    semihosting::print(fault.program_counter);
+void make_safe() {}
+void kick_watchdog() {}
+void report(const Record& record) {
+    semihosting::print("stator: failed at ");
+    semihosting::print(record.frame[6]);
+    semihosting::print(record.what.data());
     semihosting::exit(1);
 }
 

@@ -1,0 +1,28 @@
+// The memory that a reset does not clear, and its seal.
+#pragma once
+
+#include "stator/record.hpp"
+
+namespace stator {
+
+struct KeptRecord {
+    uint32_t magic;
+    uint32_t crc;  // of the record
+    Record record;
+};
+static_assert(sizeof(KeptRecord) <= 512);  // as the generated linker script reserves
+extern "C" KeptRecord stator_kept_record;
+
+// Adds what does not depend on how the run ended.
+void add_run(Record& record);
+// Makes the record valid for the next run.
+void seal(KeptRecord& kept);
+
+// The record of a run that ends here; if one is being made already, ends at once.
+Record& begin_record(Record::Cause cause);
+// `frame`: where the processor left the registers of what was interrupted.
+void add_registers(Record& record, const uint32_t* frame);
+// Seals the record, makes the motors safe, and resets.
+[[noreturn]] void end_run(Record& record);
+
+}  // namespace stator
