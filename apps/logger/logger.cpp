@@ -138,7 +138,7 @@ void Logger::write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id,
 
 void Logger::write_events(LoggerPorts& ports) {
     constexpr char kWarning = '4';
-    Event event;
+    LogEvent event;
     while (has_room() && ports.log->events->next(events_read_, event)) {
         const size_t bytes = size_t{text_bytes(event.what)} + text_bytes(event.name);
         begin(ports, 'L', sizeof kWarning + sizeof event.time_us + bytes);

@@ -53,6 +53,6 @@ void kick_watchdog() {
 }
 
 // Who asks on the link is told.
-void report(const Record&) {}
+void report(const FaultRecord&) {}
 
 }  // namespace stator::board

@@ -243,7 +243,7 @@ void make_safe() {
 
 // For the host: codegen/stator/fault_record.py reads it. The flight is over then, as the world has
 // gone on; but tests want to see more resets than one.
-void report(const Record& record) {
+void report(const FaultRecord& record) {
     semihosting::print("stator: record ");
     const auto* bytes = reinterpret_cast<const uint8_t*>(&record);
     for (size_t i = 0; i < sizeof record; ++i) semihosting::print_byte(bytes[i]);

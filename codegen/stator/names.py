@@ -30,8 +30,8 @@ _TYPES = frozenset(
     """Shared Topic TopicState Thinned ThinnedState Pin Loan Input Output Pend Section Executor
     Timer TimerState Line LineState Task TaskCounters Program RandomTimes Random LogTable LogTopic
     Params Ports Fired Device SharedTime Interrupt Register Level LevelFacts Lock Mutex
-    Ending PendingWord Refusal RingEntry Settings SlotState Activation ActivationRing Event Events
-    KeptRecord ModeGate Record WatchState Watched""".split()
+    Ending PendingWord Refusal RingEntry Settings SlotState Activation ActivationRing FaultRecord
+    KeptRecord LogEvent LogEvents ModeGate WatchState Watched""".split()
 )
 
 

@@ -42,7 +42,7 @@ uint32_t active_exception() {
 
 }  // namespace
 
-void add_registers(Record& record, const uint32_t* frame) {
+void add_registers(FaultRecord& record, const uint32_t* frame) {
     record.exception = active_exception();
     record.stack_pointer = reinterpret_cast<uint32_t>(frame);
     record.status = scb::kFaultStatus.read();
@@ -58,23 +58,23 @@ void add_registers(Record& record, const uint32_t* frame) {
 }
 
 // The record stands before anything else is tried, as that may fault.
-void end_run(Record& record) {
+void end_run(FaultRecord& record) {
     add_run(record);
     seal(stator_kept_record);
     board::make_safe();
     reset();
 }
 
-Record& begin_record(Record::Cause cause) {
+FaultRecord& begin_record(FaultRecord::Cause cause) {
     if (is_recording) end_nested();
     is_recording = true;
-    stator_kept_record.record = Record{};
+    stator_kept_record.record = FaultRecord{};
     stator_kept_record.record.cause = cause;
     return stator_kept_record.record;
 }
 
 void fail(const char* what) {
-    Record& record = begin_record(Record::Cause::kAssertion);
+    FaultRecord& record = begin_record(FaultRecord::Cause::kAssertion);
     add_registers(record, nullptr);
     record.frame[6] = reinterpret_cast<uint32_t>(__builtin_return_address(0));
     std::strncpy(record.what.data(), what, record.what.size() - 1);
@@ -98,7 +98,7 @@ void fail(const char* what) {
 
 void stator_on_fault(const uint32_t* frame, uint32_t exc_return, const uint32_t* saved) {
     using namespace stator;
-    Record& record = begin_record(Record::Cause::kFault);
+    FaultRecord& record = begin_record(FaultRecord::Cause::kFault);
     record.exc_return = exc_return;
     std::memcpy(record.saved.data(), saved, sizeof record.saved);
     add_registers(record, frame);

@@ -4,7 +4,7 @@
 
 namespace stator {
 
-Events event_log;
+LogEvents event_log;
 
 void monitor() {
     // In safe mode no task runs.

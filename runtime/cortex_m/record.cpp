@@ -22,7 +22,7 @@ namespace {
 constexpr uint32_t kMagic = 0x53544154;  // "TATS"
 constexpr ptrdiff_t kNoteHeader = 16;
 
-void copy_build_id(Record& record) {
+void copy_build_id(FaultRecord& record) {
     const ptrdiff_t bytes = stator_build_id_end - stator_build_id_begin - kNoteHeader;
     if (bytes <= 0) return;
     std::memcpy(record.build_id.data(), stator_build_id_begin + kNoteHeader,
@@ -30,7 +30,7 @@ void copy_build_id(Record& record) {
 }
 
 // A run that outlived the window starts a new count.
-void count_reset(Record& record) {
+void count_reset(FaultRecord& record) {
     const uint64_t window_us = last_record.window_us + record.uptime_us;
     const bool is_row = last_record.resets != 0 && window_us <= kResetWindow_us;
     record.resets = is_row ? last_record.resets + 1 : 1;
@@ -47,10 +47,10 @@ uint32_t first_silent_task() {
 
 }  // namespace
 
-Record last_record;
+FaultRecord last_record;
 ActivationRing activation_ring;
 
-void add_run(Record& record) {
+void add_run(FaultRecord& record) {
     record.uptime_us = clock_us();
     record.silent_task = first_silent_task();
     record.activation_count = activation_ring.count.load(std::memory_order_relaxed);
@@ -69,8 +69,8 @@ void seal(KeptRecord& kept) {
 void take_record() {
     const bool is_whole =
         stator_kept_record.magic == kMagic &&
-        stator_kept_record.crc == crc32_bitwise(&stator_kept_record.record, sizeof(Record));
-    last_record = is_whole ? stator_kept_record.record : Record{};
+        stator_kept_record.crc == crc32_bitwise(&stator_kept_record.record, sizeof(FaultRecord));
+    last_record = is_whole ? stator_kept_record.record : FaultRecord{};
     stator_kept_record.magic = 0;
 }
 

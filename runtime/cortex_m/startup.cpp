@@ -90,7 +90,7 @@ void enable_vectors() {
     enable_faults();
     construct();
     take_record();
-    if (last_record.cause != Record::Cause::kNone) board::report(last_record);
+    if (last_record.cause != FaultRecord::Cause::kNone) board::report(last_record);
     board::prepare();
     if (is_safe_mode()) stay_safe();
     program.start();

@@ -19,7 +19,7 @@
 
 namespace stator {
 
-Events event_log;
+LogEvents event_log;
 
 namespace {
 

@@ -11,7 +11,7 @@
 namespace stator {
 
 Executor executor;
-Events event_log;
+LogEvents event_log;
 
 namespace {
 

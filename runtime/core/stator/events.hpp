@@ -9,7 +9,7 @@
 namespace stator {
 
 // `what` and `name` are constant texts, told one behind the other.
-struct Event {
+struct LogEvent {
     uint64_t time_us = 0;
     const char* what = "";
     const char* name = "";
@@ -17,16 +17,16 @@ struct Event {
 
 // The newest events. One writer, which its readers preempt or run beside; those that lag behind by
 // more than the list holds lose the oldest.
-class Events {
+class LogEvents {
   public:
     // Context: the executor's monitor.
-    void add(const Event& event) {
+    void add(const LogEvent& event) {
         const uint32_t count = count_.load();
         events_[count % kMost] = event;
         count_.store(count + 1);
     }
     // Moves `cursor` on to the next event; false if there is none.
-    bool next(uint32_t& cursor, Event& event) const {
+    bool next(uint32_t& cursor, LogEvent& event) const {
         const uint32_t count = count_.load();
         if (cursor == count) return false;
         if (count - cursor >= kMost) cursor = count - kMost + 1;
@@ -37,9 +37,9 @@ class Events {
 
   private:
     static constexpr uint32_t kMost = 16;
-    std::array<Event, kMost> events_{};
+    std::array<LogEvent, kMost> events_{};
     Shared<uint32_t> count_;
 };
-extern Events event_log;  // of the executor
+extern LogEvents event_log;  // of the executor
 
 }  // namespace stator

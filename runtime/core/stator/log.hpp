@@ -40,7 +40,7 @@ struct LogTable {
     uint32_t topic_count;
     const LogParameter* parameters;
     uint32_t parameter_count;
-    const Events* events;
+    const LogEvents* events;
     const char* graph;                          // name
     const char* graph_hash;                     // of what behaves; DESIGN 8
     const RecordingTable* recording = nullptr;  // none in a build that does not record

@@ -1,7 +1,6 @@
 // What a generated task wrapper keeps between activations, and the rules that all wrappers share.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 
 #include "stator/port.hpp"
@@ -112,14 +111,8 @@ constexpr uint64_t later(uint64_t a, uint64_t b) {
 
 // Counts for `top`, the report and the proof's watch; modulo 2^32.
 struct TaskCounters {
-    std::atomic<uint32_t> activations{0};  // the monitor reads it at any time
+    uint32_t activations = 0;  // the monitor reads it at any time
     uint32_t lost_samples = 0;
 };
-
-// By the one task that owns it.
-inline void count_activation(TaskCounters& counters) {
-    const uint32_t count = counters.activations.load(std::memory_order_relaxed);
-    counters.activations.store(count + 1, std::memory_order_relaxed);
-}
 
 }  // namespace stator

@@ -33,7 +33,7 @@ struct Watched {
 // monitor sees an activation after it happened. Context: the monitor.
 inline bool misses_life_sign(const Watched& row, uint64_t now_us) {
     WatchState& state = *row.state;
-    const uint32_t activations = row.counters->activations.load(std::memory_order_relaxed);
+    const uint32_t activations = __atomic_load_n(&row.counters->activations, __ATOMIC_RELAXED);
     const bool is_off = row.gate != nullptr && row.gate->epoch.load() % 2 == 0;
     if (activations != state.activations || is_off) {
         state.activations = activations;

@@ -39,4 +39,8 @@ struct Activation {
 };
 #endif
 
+inline void count_activation(uint32_t& activations) {
+    ++activations;
+}
+
 }  // namespace stator

@@ -82,7 +82,7 @@ uint32_t timer_us();
 // `prepare`: short, bounded, without the graph.
 void make_safe();
 // Tells that the run before failed. Before `prepare`, as that may be what fails.
-void report(const Record& record);
+void report(const FaultRecord& record);
 // Only `monitor` calls it, and only while every watched task shows life.
 void kick_watchdog();
 // Of a board that uses `stator_watchdog_timer`: whether it was, since the last call.

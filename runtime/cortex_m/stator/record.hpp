@@ -7,7 +7,7 @@
 
 namespace stator {
 
-struct Record {
+struct FaultRecord {
     enum class Cause : uint32_t { kNone, kFault, kAssertion, kWatchdog };
 
     Cause cause = Cause::kNone;
@@ -34,14 +34,14 @@ struct Record {
     std::array<char, 16> graph_hash{};  // its first digits, in hexadecimal
     std::array<uint8_t, 20> build_id{};
 };
-static_assert(sizeof(Record) == 360);
+static_assert(sizeof(FaultRecord) == 360);
 
 // So many resets within this time end in safe mode.
 inline constexpr uint32_t kMostResets = 3;
 inline constexpr uint64_t kResetWindow_us = 10'000'000;
 
 // The record of the run before; cause kNone if it left none.
-extern Record last_record;
+extern FaultRecord last_record;
 inline bool is_safe_mode() {
     return last_record.resets >= kMostResets;
 }

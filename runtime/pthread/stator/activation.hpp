@@ -9,4 +9,9 @@ struct Activation {
     explicit Activation(uint32_t) {}
 };
 
+// The monitor reads it from another thread.
+inline void count_activation(uint32_t& activations) {
+    __atomic_store_n(&activations, activations + 1, __ATOMIC_RELAXED);
+}
+
 }  // namespace stator

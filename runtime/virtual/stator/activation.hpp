@@ -9,4 +9,8 @@ struct Activation {
     explicit Activation(uint32_t) {}
 };
 
+inline void count_activation(uint32_t& activations) {
+    ++activations;
+}
+
 }  // namespace stator

@@ -20,7 +20,7 @@ struct Watch : ::testing::Test {
     ModeGate gate;
     Watched row{"task", 0, &counters, &state, kWindow_us, nullptr};
 
-    void live() { count_activation(counters); }
+    void live() { ++counters.activations; }
 };
 
 TEST_F(Watch, a_task_that_lives_within_its_window_is_never_missed) {
@@ -57,9 +57,9 @@ TEST_F(Watch, a_node_that_its_mode_switched_off_owes_no_life_sign) {
     EXPECT_TRUE(misses_life_sign(row, 5'101));
 }
 
-TEST(Events, come_in_order_and_once) {
-    Events events;
-    Event event;
+TEST(LogEvents, come_in_order_and_once) {
+    LogEvents events;
+    LogEvent event;
     uint32_t cursor = 0;
     EXPECT_FALSE(events.next(cursor, event));
     events.add({1, "one", ""});
@@ -69,10 +69,10 @@ TEST(Events, come_in_order_and_once) {
     EXPECT_EQ(read, (std::vector<std::string>{"one", "two"}));
 }
 
-TEST(Events, keep_the_newest_for_a_reader_that_lags) {
-    Events events;
+TEST(LogEvents, keep_the_newest_for_a_reader_that_lags) {
+    LogEvents events;
     for (uint64_t i = 0; i < 100; ++i) events.add({i, "", ""});
-    Event event;
+    LogEvent event;
     uint32_t cursor = 0;
     ASSERT_TRUE(events.next(cursor, event));
     EXPECT_EQ(event.time_us, 85U);  // 15 can be read while the 16th is written

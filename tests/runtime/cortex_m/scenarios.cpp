@@ -211,8 +211,8 @@ bool watchdog_was_kicked() {
     return true;
 }
 // In the next start.
-void report(const Record& record) {
-    if (record.cause == Record::Cause::kAssertion) {
+void report(const FaultRecord& record) {
+    if (record.cause == FaultRecord::Cause::kAssertion) {
         print(record.what.data());
         semihosting::exit(2);
     }

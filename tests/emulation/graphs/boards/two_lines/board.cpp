@@ -67,7 +67,7 @@ void tim2_interrupt() {
 
 void make_safe() {}
 void kick_watchdog() {}
-void report(const Record& record) {
+void report(const FaultRecord& record) {
     semihosting::print("stator: failed at ");
     semihosting::print(record.frame[6]);
     semihosting::print(record.what.data());

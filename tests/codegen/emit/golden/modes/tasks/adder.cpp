@@ -26,7 +26,7 @@ void run() {
     if (!is_due) return;  // an earlier activation has served what pended this one
     ports.now = state.now_us;
     node.step(ports);
-    count_activation(state.counters);
+    count_activation(state.counters.activations);
     state.counters.lost_samples += ports.count.lost();
 }
 

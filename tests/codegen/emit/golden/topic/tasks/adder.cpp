@@ -27,7 +27,7 @@ void run() {
     ports.extra.take_latest(topics::slow_count, state.extra_number, ports.now, 50000, false);
     ports.sum.connect(topics::sum, ports.now, false);
     node.step(ports);
-    count_activation(state.counters);
+    count_activation(state.counters.activations);
     state.counters.lost_samples += ports.count.lost();
 }
 
