@@ -19,7 +19,7 @@ IMU, MAG, GNSS, BARO = range(4)  # boards/replay/recording.hpp
 COLUMNS = 12  # arrival_us, device, timestamp_sample, nine values
 START_US = 1_000_000  # what a recording calls 0
 NO_HEIGHT = 1000.0  # m: an error so large that the height is not used
-REPLAY = "_replay.csv.gz"
+REPLAYS = ("_replay.csv.gz", "_replay.csv")
 
 
 class RecordingError(Exception):
@@ -83,9 +83,15 @@ def merged(blocks: list[Array]) -> Array:
 # --- zip files of text tables, as the InertialNav project has them ---
 
 
+def member(archive: zipfile.ZipFile, name: str) -> str | None:
+    """The table of this name, in whatever folder of the archive."""
+    found = [entry for entry in archive.namelist() if entry.rsplit("/", 1)[-1] == name]
+    return min(found, key=len, default=None)
+
+
 def table(archive: zipfile.ZipFile, path: Path, name: str, columns: int) -> Array:
     try:
-        text = archive.read(name).decode()
+        text = archive.read(member(archive, name) or name).decode()
         rows = [line.split()[:columns] for line in text.splitlines() if line.strip()]
         result = np.array([row for row in rows if len(row) == columns], dtype=np.float64)
     except KeyError:
@@ -113,7 +119,7 @@ def read_tables(path: Path) -> Flight:
         ntun = table(archive, path, "NTUN.txt", 10)
         att = table(archive, path, "ATT.txt", 5)
         timing = table(archive, path, "timing.txt", 1)[:, 0]
-        raw = table(archive, path, "GPSraw.txt", 7) if "GPSraw.txt" in archive.namelist() else None
+        raw = table(archive, path, "GPSraw.txt", 7) if member(archive, "GPSraw.txt") else None
     if len(timing) < 8:
         raise RecordingError(f"timing.txt in '{path}' is too short", "it has nine numbers")
     velocity_ms, position_ms, height_ms, mag_ms = timing[3:7]
@@ -171,7 +177,8 @@ def read_replay(path: Path) -> Flight:
     longitude and latitude in 1e-7 deg, velocity N, E, D)."""
     samples: dict[str, list[list[float]]] = {"imu": [], "mag": [], "baro": [], "gps": []}
     try:
-        text = gzip.decompress(path.read_bytes()).decode()
+        data = path.read_bytes()
+        text = (gzip.decompress(data) if path.suffix == ".gz" else data).decode()
         for row in csv.reader(io.StringIO(text)):
             if len(row) > 2 and row[1] in samples:
                 samples[row[1]].append([float(row[0]) * 1e-3, *map(float, row[2:])])
@@ -194,7 +201,7 @@ def read_replay(path: Path) -> Flight:
         raise RecordingError(
             f"cannot read '{path}' as rows of t_us,type,values", "fetch the file again"
         ) from None
-    name = path.name.removesuffix(REPLAY)
+    name = path.name.removesuffix(".gz").removesuffix(REPLAYS[1])
     return Flight(name, path, rows, reference=read_reference(path.parent, name))
 
 
@@ -214,9 +221,10 @@ def flights_in(folder: Path) -> list[Flight]:
     if not folder.is_dir():
         raise RecordingError(f"there is no folder '{folder}'", "name one with recorded flights")
     tables = [read_tables(path) for path in sorted(folder.glob("*.zip"))]
-    replays = [read_replay(path) for path in sorted(folder.glob(f"*{REPLAY}"))]
+    named = [path for path in sorted(folder.iterdir()) if path.name.endswith(REPLAYS)]
+    replays = [read_replay(path) for path in named]
     if not tables and not replays:
         raise RecordingError(
-            f"no recorded flights in '{folder}'", f"their names end in .zip or {REPLAY}"
+            f"no recorded flights in '{folder}'", f"their names end in .zip or {REPLAYS[0]}"
         )
     return tables + replays

@@ -360,7 +360,7 @@ def show_flight(name: str, ours: FlightScore, peer: FlightScore | None) -> None:
         print(line(f"innovation {what.replace('_', ' ')}", unit, value, other))
     for key, what in (("p50_m", "half"), ("p95_m", "95 %")):
         other = None if peer is None else getattr(peer.hold_out, key)
-        unit = f"m, {what} of {ours.hold_out.windows} windows at most"
+        unit = f"m at most, in {what} of {ours.hold_out.windows} windows"
         print(line("10 s without satellites", unit, getattr(ours.hold_out, key), other))
 
 

@@ -54,7 +54,7 @@ def write(folder: Path, name: str, content: dict[str, score.Array]) -> None:
         for file, table in content.items():
             text = io.StringIO()
             np.savetxt(text, table, fmt="%.9g")
-            archive.writestr(file, text.getvalue())
+            archive.writestr(f"{name}/{file}", text.getvalue())
 
 
 # --- what it reads ---
