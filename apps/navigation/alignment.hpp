@@ -21,11 +21,13 @@ class Alignment {
         const float pitch = math::atan2(-down_B.x(), level);
         return math::from_euler(math::EulerAngles<float>{roll, pitch, 0.0f});
     }
-    // Of each tilt angle: the more the mean force differs from gravity, the less level it shows.
+    // Of each tilt angle. Whoever banks by phi in a turn feels 1 / cos phi of gravity and takes it
+    // for level: phi^2 is twice the excess.
     float tilt_variance() const {
-        constexpr float kAtRest = 0.02f;  // rad: the ground shakes, a hand holds it
-        const float excess = math::norm(force_B_) / (time_ * kGravity) - 1.0f;
-        return math::square(kAtRest) + math::square(excess);
+        constexpr float kAtRest = 0.02f;     // rad: the ground shakes, a hand holds it
+        constexpr float kTolerance = 0.02f;  // of the accelerometer's scale
+        const float excess = math::abs(math::norm(force_B_) / (time_ * kGravity) - 1.0f);
+        return math::square(kAtRest) + 2.0f * math::max(excess - kTolerance, 0.0f);
     }
 
   private:

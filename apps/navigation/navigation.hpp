@@ -52,7 +52,7 @@ class Navigation {
     void fuse_velocity(unsigned axis, const GnssMeasurement& fix, const NavigationParams& params);
     void fuse_position(unsigned axis, const GnssMeasurement& fix, const NavigationParams& params);
     void fuse_height(const GnssMeasurement& fix, const NavigationParams& params);
-    void align_heading(float error, const NavigationParams& params);
+    void align_heading(float error, float variance, const NavigationParams& params);
     // Seconds from a measurement to the horizon.
     float age(uint64_t time_us) const {
         return static_cast<float>(filter_.time_us() - time_us) * 1e-6f;

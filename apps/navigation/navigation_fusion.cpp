@@ -188,18 +188,21 @@ bool Navigation::fuse_mag(const NavigationParams& params) {
     mag_.pop();
     const Vector field_N = filter_.kinematics().q_NB * sample.field_B;
     if (!(field_N.head<2>().squaredNorm() > math::square(kLeastLevelField))) return true;
+    // A wrong tilt turns the level part of a field that dips.
+    const float dip = math::square(field_N.z()) / field_N.head<2>().squaredNorm();
+    const float tilt_variance = 0.5f * (filter_.variance(kTurn) + filter_.variance(kTurn + 1));
+    const float variance = math::square(params.mag_noise) + dip * tilt_variance;
     const float turned = filter_.heading_rate() * age(sample.time_us);
     const float seen = math::atan2(field_N.y(), field_N.x()) - turned;
     const float innovation =
         math::wrap_pi(params.magnetic_declination - seen - filter_.mag_offset());
     if (!heading_aid_.started()) {
-        align_heading(innovation, params);
+        align_heading(innovation, variance, params);
         heading_aid_.accept(sample.time_us);
         return true;
     }
     const Sight sight{kHeading, 1.0f, kMagOffset, 1.0f};
-    const Fusion done =
-        filter_.fuse(sight, innovation, math::square(params.mag_noise), params.gate, true);
+    const Fusion done = filter_.fuse(sight, innovation, variance, params.gate, true);
     innovations_.heading = innovation;
     innovations_.timestamp_sample = sample.time_us;
     ratios_.mag_test_ratio = done.test_ratio;
@@ -212,9 +215,8 @@ bool Navigation::fuse_mag(const NavigationParams& params) {
     return true;
 }
 
-void Navigation::align_heading(float error, const NavigationParams& params) {
-    filter_.align_heading(error, math::square(params.mag_noise),
-                          math::square(params.mag_offset_uncertainty));
+void Navigation::align_heading(float error, float variance, const NavigationParams& params) {
+    filter_.align_heading(error, variance, math::square(params.mag_offset_uncertainty));
     resets_.delta_heading = error;
     ++resets_.heading_reset_counter;
     jumped_ = true;
