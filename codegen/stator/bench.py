@@ -95,7 +95,7 @@ def _one_core() -> list[str]:
 
 def _topics() -> list[Figure]:
     """Publishing 64 bytes and reading the newest sample, beside plain stores and a plain load."""
-    times = _google_benchmark("bench_topic")
+    times = google_benchmark("bench_topic")
     publish = times["publish"] - times["plain_stores"]
     read = times["read_latest"] - times["plain_load"]
     return [
@@ -110,7 +110,7 @@ def _topics() -> list[Figure]:
     ]
 
 
-def _google_benchmark(target: str) -> dict[str, float]:
+def google_benchmark(target: str) -> dict[str, float]:
     """Name -> CPU time of one iteration in ns: the least of several runs, as noise only adds."""
     folder = HOME / "build" / "bench"
     configure(folder, ["-DSTATOR_TESTS=ON"], [target])
@@ -188,4 +188,18 @@ def _counts() -> list[Figure]:
     ]
 
 
-BENCHMARKS = {"fly": _fly, "topics": _topics, "check": _check, "edit": _edit, "counts": _counts}
+def _latency() -> list[Figure]:
+    """From publication to reception, beside bare threads, LCM and ROS."""
+    from stator.bench_latency import measure
+
+    return measure()
+
+
+BENCHMARKS = {
+    "fly": _fly,
+    "topics": _topics,
+    "latency": _latency,
+    "check": _check,
+    "edit": _edit,
+    "counts": _counts,
+}

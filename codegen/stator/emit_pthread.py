@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stator.check_parts import MODE_TOPIC
 from stator.emit_rows import watched
 from stator.language import DEPTHS
 
@@ -52,14 +53,23 @@ def depth(plan: Plan, topic: TopicPlan) -> int:
 
 
 def slots(plan: Plan, topic: TopicPlan) -> int:
-    """D + sum over levels of the most slots that one job holds besides: levels truly run at once.
-    docs/topics.md has the argument."""
-    readers = {name for name, _ in topic.readers}
+    """D + what each level may hold besides, as levels truly run at once: the newest sample that it
+    has read, one that it takes from the queue, one that it builds. docs/topics.md has the argument.
+    """
+    held = {(name, _hold(plan, name, port)) for name, port in topic.readers}
+    held |= {(name, "loan") for name in topic.publishers}
     if topic.log_us is not None:
-        readers |= {t.node.name for t in plan.tasks if t.node.interface.reads_log}
-    held: dict[int, int] = {}
-    for name in sorted(readers | set(topic.publishers)):
-        level = plan.task(name).level
-        held[level] = max(held.get(level, 0), (name in readers) + (name in topic.publishers))
+        kind = "next" if topic.log_us == 0 else "latest"
+        held |= {(t.node.name, kind) for t in plan.tasks if t.node.interface.reads_log}
+    modes = plan.graph.modes
+    if modes is not None and topic.name == MODE_TOPIC:
+        held.add((modes.publisher, "latest"))  # the switch follows the newest
     by_the_start = 0 if topic.publishers else 1  # which publishes parameters
-    return depth(plan, topic) + sum(held.values()) + by_the_start
+    levels = {(plan.task(name).level, kind) for name, kind in held}
+    return depth(plan, topic) + len(levels) + by_the_start
+
+
+def _hold(plan: Plan, name: str, port: str) -> str:
+    node = plan.graph.nodes[name]
+    is_next = port in node.inputs and node.way_of(node.inputs[port]) in ("trigger", "queue")
+    return "next" if is_next else "latest"

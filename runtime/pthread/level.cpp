@@ -17,6 +17,7 @@
 namespace stator {
 
 PendingWord pending_words[kMostLevels];
+constinit thread_local unsigned current_level = kMostLevels;
 
 namespace {
 
@@ -85,6 +86,7 @@ bool LevelThread::create(unsigned level) {
 }
 
 void LevelThread::run() {
+    current_level = place_;
     char name[16];
     std::snprintf(name, sizeof name, "level %u", level_->priority);
     prepare_thread(name);

@@ -27,6 +27,9 @@ struct alignas(64) PendingWord {
 };
 extern PendingWord pending_words[kMostLevels];
 
+// Place of the level that runs in this thread; kMostLevels elsewhere.
+extern constinit thread_local unsigned current_level;
+
 // A system call: wakes the thread that sleeps on the word.
 void wake_level(uint32_t word);
 

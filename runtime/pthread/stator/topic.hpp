@@ -68,8 +68,19 @@ struct SlotState {
     bool is_live = false;           // in the ring, or on loan
 };
 
+// A sample in use by a job. `is_kept`: its level keeps it beyond the job.
+struct Pin {
+    uint32_t number = 0;
+    uint8_t slot = 0;
+    bool is_kept = false;
+};
+
 struct TopicState {
     std::atomic<uint32_t> head{0};  // number of the newest sample; counts from 1 and wraps
+    // What each level has read as the newest, which it keeps until it reads a newer one: then
+    // reading it again is a load and a comparison. Of that level's thread alone; the last one is of
+    // threads that are no level.
+    Pin kept[kMostLevels + 1];
 };
 
 // --- tables ---
@@ -108,11 +119,6 @@ struct Topic {
 // core; here every reader counts, and every sample of the ring is kept.
 inline constexpr bool kTakesNeedSeen = true;
 
-// A sample in use by a job.
-struct Pin {
-    uint32_t number = 0;
-    uint8_t slot = 0;
-};
 inline uint32_t number_of(const Topic&, const Pin& pin) {
     return pin.number;
 }
@@ -128,8 +134,11 @@ inline void pin_entry(const Topic& topic, uint32_t sequence, Pin& pin) {
 }
 
 // Release: the publisher that sees this reader done does not write before its last read.
-inline void release(const Topic& topic, const Pin& pin, bool /*marks*/ = true) {
+inline void unpin(const Topic& topic, const Pin& pin) {
     topic.users[pin.slot].done.fetch_add(1, std::memory_order_release);
+}
+inline void release(const Topic& topic, const Pin& pin, bool /*marks*/ = true) {
+    if (!pin.is_kept) unpin(topic, pin);
 }
 
 // Acquire, here and below: what `head` counts is in the ring. The read-modify-writes on the ring
@@ -138,18 +147,26 @@ inline uint32_t newest_number(const Topic& topic) {
     return topic.state->head.load(std::memory_order_acquire);
 }
 
+// Nothing was published yet. Only where `head` is 0, which it also is after 2^32 samples.
+inline bool is_empty(const Topic& topic) {
+    const RingEntry& last = topic.ring[topic.depth - 1U];
+    return slot_of(last.word.load(std::memory_order_relaxed)) == kNoSlot;
+}
+
 // Takes the newest sample, but none older than number `seen`, which the reader has seen already: an
 // entry may be newer than `head` still says, by one. False if there is none yet: then nothing is
 // held. Wait-free.
 inline bool take_latest(const Topic& topic, uint32_t seen, Pin& pin, bool /*marks*/ = true) {
     uint32_t head = newest_number(topic);
     if (seen - head == 1) head = seen;
-    const uint32_t sequence = head - 1;
-    if (head == 0) {  // nothing yet; or 2^32 samples
-        const RingEntry& entry = topic.ring[sequence & (topic.depth - 1U)];
-        if (slot_of(entry.word.load(std::memory_order_relaxed)) == kNoSlot) return false;
+    Pin& kept = topic.state->kept[current_level];
+    if (!kept.is_kept || kept.number != head) {
+        if (head == 0 && is_empty(topic)) return false;
+        if (kept.is_kept) unpin(topic, kept);
+        pin_entry(topic, head - 1, kept);
+        kept.is_kept = true;
     }
-    pin_entry(topic, sequence, pin);
+    pin = kept;
     return true;
 }
 

@@ -8,6 +8,7 @@ namespace stator {
 
 // No thread runs here.
 PendingWord pending_words[kMostLevels];
+constinit thread_local unsigned current_level = 0;
 void wake_level(uint32_t) {}
 void fail(const char*) {
     __builtin_trap();

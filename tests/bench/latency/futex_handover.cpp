@@ -25,9 +25,7 @@ void run_source() {
     uint64_t due_ns = measured::now_ns();
     for (std::size_t i = 0; i < rows.size(); ++i) {
         due_ns += measured::kPeriod_ns;
-        const timespec due{.tv_sec = static_cast<time_t>(due_ns / 1'000'000'000),
-                           .tv_nsec = static_cast<long>(due_ns % 1'000'000'000)};
-        clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
+        measured::sleep_until(due_ns);
         const uint64_t begin_ns = measured::now_ns();
         shared = Sample{.sent_ns = begin_ns, .value = {i, 1, 2, 3, 4, 5}};
         word.store(static_cast<uint32_t>(i + 1), std::memory_order_release);

@@ -84,9 +84,7 @@ void run_thread(unsigned index, uint64_t start_ns, const std::atomic<bool>& ends
     pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
     uint64_t due_ns = start_ns + uint64_t{stator::offset_of(index)} * 1000;
     for (; !ends; due_ns += measured::kPeriod_ns) {
-        const timespec due{.tv_sec = static_cast<time_t>(due_ns / 1'000'000'000),
-                           .tv_nsec = static_cast<long>(due_ns % 1'000'000'000)};
-        clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
+        measured::sleep_until(due_ns);
         ++stator::counters[index].activations;
         stator::timers[index].fires.store(stator::timers[index].fires.load() + 1);
     }

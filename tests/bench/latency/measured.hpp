@@ -25,6 +25,13 @@ inline uint64_t now_ns() {
     return static_cast<uint64_t>(now.tv_sec) * 1'000'000'000 + static_cast<uint64_t>(now.tv_nsec);
 }
 
+inline void sleep_until(uint64_t time_ns) {
+    timespec due{};
+    due.tv_sec = static_cast<time_t>(time_ns / 1'000'000'000);
+    due.tv_nsec = static_cast<long>(time_ns % 1'000'000'000);
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
+}
+
 // One row for each sample: how long the publishing call took, and how long the sample was on its
 // way.
 struct Row {
@@ -32,8 +39,11 @@ struct Row {
     uint32_t latency_ns;
 };
 
+inline void print(const Row& row) {
+    std::printf("%u %u\n", row.call_ns, row.latency_ns);
+}
 inline void print(const std::vector<Row>& rows) {
-    for (const Row& row : rows) std::printf("%u %u\n", row.call_ns, row.latency_ns);
+    for (const Row& row : rows) print(row);
 }
 
 }  // namespace measured

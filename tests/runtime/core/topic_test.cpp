@@ -131,7 +131,7 @@ TEST_F(TopicTest, an_old_sample_reads_as_absent) {
         input.take_latest(topic.topic, cursor, now_us, 50);
         EXPECT_EQ(static_cast<bool>(input), is_there) << now_us;
         EXPECT_EQ(input.next(), is_there) << now_us;
-        EXPECT_EQ(topic.is_idle(), !is_there) << "an absent sample holds no slot";
+        EXPECT_TRUE(topic.is_idle() || is_there) << "an absent sample holds no slot";
     }
 }
 

@@ -24,14 +24,14 @@ TEST_F(Ring, an_entry_holds_sequence_slot_and_readers) {
 
 // Parameters are published once and read for ever: the count of readers wraps.
 TEST_F(Ring, a_sample_that_is_never_replaced_is_read_beyond_the_count) {
-    TopicOf<Reading, 1, 3> topic;
+    TopicOf<Reading, 1, 2> topic;
     publish(topic.topic, Reading{0, 1, 0}, 0);
     const uint8_t slot = slot_of(topic.ring[0].word.load());
     topic.ring[0].word.fetch_add((kReaderMask - 5) * kOneReader);  // so many have read already
     topic.users[slot].done.fetch_add(kReaderMask - 5);
     for (uint32_t i = 0; i < 20; ++i) {
         Pin pin;
-        ASSERT_TRUE(take_latest(topic.topic, 1, pin));
+        pin_entry(topic.topic, 0, pin);
         release(topic.topic, pin);
     }
     EXPECT_TRUE(topic.is_idle());
@@ -91,18 +91,49 @@ TEST_F(Ring, a_slot_on_loan_is_given_to_nobody_else) {
     EXPECT_TRUE(topic.is_idle());
 }
 
-// D + one pin for each reading level + one loan: enough, and one less is not.
+// D + one kept by each reading level + one taken from the queue + one loan: enough, and one less is
+// not.
 TEST_F(Ring, the_slots_are_enough_and_all_needed) {
-    TopicOf<Reading, 2, 5> topic;  // two readers, one publisher
-    Pin pins[2];
-    for (Pin& pin : pins) {
-        for (uint32_t i = 0; i < 2; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
-        ASSERT_TRUE(take_latest(topic.topic, 0, pin));
+    TopicOf<Reading, 2, 5>
+        topic;  // two levels read the newest, one of them also each, one publishes
+    Pin pins[3];
+    uint32_t cursor = 0;
+    uint32_t lost = 0;
+    for (unsigned i = 0; i < 3; ++i) {
+        for (uint32_t k = 0; k < 2; ++k) publish(topic.topic, Reading{0, k, 0}, 0);
+        current_level = i % 2;
+        ASSERT_TRUE(i < 2 ? take_latest(topic.topic, 0, pins[i])
+                          : take_next(topic.topic, cursor, lost, pins[i]));
     }
     for (uint32_t i = 0; i < 20; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
-    topic.topic.slots = 4;
-    EXPECT_DEATH(publish(topic.topic, Reading{}, 0), "no free slot");
-    for (const Pin& pin : pins) release(topic.topic, pin);
+    topic.topic.slots = 5;
+    const auto publish_some = [&] {  // the sixth slot may still be in the ring
+        for (uint32_t i = 0; i < 3; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
+    };
+    EXPECT_DEATH(publish_some(), "no free slot");
+    current_level = kMostLevels;
+}
+
+// A level keeps what it has read as the newest: its slot is not built in, and reading it again
+// counts nobody. A newer one lets it go.
+TEST_F(Ring, a_level_keeps_the_newest_that_it_has_read) {
+    TopicOf<Reading, 1, 2> topic;
+    publish(topic.topic, Reading{0, 1, 0}, 0);
+    Pin first;
+    Pin second;
+    ASSERT_TRUE(take_latest(topic.topic, 0, first));
+    release(topic.topic, first);
+    ASSERT_TRUE(take_latest(topic.topic, 1, second));
+    release(topic.topic, second);
+    EXPECT_EQ(first.slot, second.slot);
+    EXPECT_EQ(readers_of(topic.ring[0].word.load()), 1U);
+    publish(topic.topic, Reading{0, 2, 0}, 0);
+    publish(topic.topic, Reading{0, 3, 0}, 0);
+    EXPECT_EQ(topic.samples[first.slot].value, 1U);
+    ASSERT_TRUE(take_latest(topic.topic, 1, second));
+    EXPECT_EQ(second.number, 3U);
+    EXPECT_EQ(topic.users[first.slot].done.load(), 1U);
+    EXPECT_TRUE(topic.is_idle());
 }
 
 }  // namespace

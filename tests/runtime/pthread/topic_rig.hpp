@@ -19,8 +19,11 @@ inline bool is_at_rest(const Topic& topic) {
         const uint64_t entry = topic.ring[i].word.load();
         if (slot_of(entry) == kNoSlot) continue;
         ++in_ring;
-        readers[slot_of(entry)] = readers_of(entry);
+        readers[slot_of(entry)] += readers_of(entry);
         if (!topic.users[slot_of(entry)].is_live) return false;
+    }
+    for (const Pin& kept : topic.state->kept) {
+        if (kept.is_kept) --readers[kept.slot];  // not done yet
     }
     unsigned live = 0;
     for (unsigned slot = 0; slot < topic.slots; ++slot) {
@@ -31,9 +34,11 @@ inline bool is_at_rest(const Topic& topic) {
     return live == in_ring;
 }
 
-// A topic with its storage. `first`: the number before the first sample.
-template <class Message, unsigned depth, unsigned slots, unsigned ceiling = 0>
+// A topic with its storage. `first`: the number before the first sample. One slot more than on one
+// core, for the sample that a level keeps; what is too few there stays too few.
+template <class Message, unsigned depth, unsigned slots_on_one_core, unsigned ceiling = 0>
 struct TopicOf {
+    static constexpr unsigned slots = slots_on_one_core + (slots_on_one_core > 1 ? 1 : 0);
     std::array<Message, slots> samples{};
     std::array<RingEntry, depth> ring{};
     std::array<SlotState, slots> users{};
