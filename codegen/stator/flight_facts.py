@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import signal
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.library import HOME
 
 if TYPE_CHECKING:
     import subprocess
-    from pathlib import Path
 
     from stator.flight import Judgement, Problem
     from stator.mission import Mission
