@@ -73,8 +73,10 @@ bool SocketPort::open() {
         set(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, errors) &&
         set(socket_, SOL_SOCKET, SO_TIMESTAMPNS, 1) && set(socket_, SOL_SOCKET, SO_RXQ_OVFL, 1) &&
         bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-    // More than an ordinary user may have is cut to that.
-    set(socket_, SOL_SOCKET, SO_RCVBUF, kReceiveBytes);
+    // What an ordinary user may have is less, and a longer wish is cut to that.
+    if (!set(socket_, SOL_SOCKET, SO_RCVBUFFORCE, kReceiveBytes)) {
+        set(socket_, SOL_SOCKET, SO_RCVBUF, kReceiveBytes);
+    }
     if (ready) return true;
     ::close(socket_);
     socket_ = -1;
