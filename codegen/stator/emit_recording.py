@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from stator import emit_rows
 from stator.model import TYPES
+from stator.names import upper_camel
 from stator.rates import Rates
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ LOGGED_BYTES = 5  # of a logged sample, besides itself: size, type, topic
 class Port:
     name: str
     topic: str
-    kind: str  # trigger, thinned, latest, queue; of an output: crc, whole
+    kind: str  # trigger, thinned, latest, queue; of an output: crc, whole, stamp
     tag: int
     message: Message
 
@@ -74,11 +75,9 @@ def _of_task(plan: Plan, task: Task) -> Recorded:
     if node.interface.params_message is not None:
         topic = f"{node.name}_params"
         inputs.append(Port("params", topic, "latest", 0, node.interface.params_message))
-    how = "whole" if kind == "driver" else "crc"
+    how = {"app": "crc", "driver": "whole", "logger": "stamp"}[kind]
     outputs = [
-        Port(key, o.topic, how, 0, plan.topics[o.topic].message)
-        for key, o in node.outputs.items()
-        if kind != "logger"
+        Port(key, o.topic, how, 0, plan.topics[o.topic].message) for key, o in node.outputs.items()
     ]
     numbered = [
         Port(port.name, port.topic, port.kind, tag, port.message)
@@ -171,7 +170,7 @@ def port_row(port: Port) -> Row:
         "topic": port.topic,
         "kind": port.kind,
         "tag": port.tag,
-        "whole": "true" if port.kind == "whole" else "false",
+        "how": f"RecordedOutput::How::k{upper_camel(port.kind)}",
         "floats": emit_rows.log_floats(port.message),
     }
 
@@ -243,7 +242,7 @@ def _record_bytes(plan: Plan, task: Recorded, rates: Rates) -> Fraction:
         total += TAKE_BYTES * samples
     node: Node | None = plan.graph.nodes.get(task.name)
     for port in task.outputs:
-        content = port.message.bytes if port.kind == "whole" else CRC_BYTES
+        content = {"whole": port.message.bytes, "crc": CRC_BYTES, "stamp": 0}[port.kind]
         burst = 1 if node is None else node.outputs[port.name].port.burst
         total += burst * (TAKE_BYTES + content)
     return total

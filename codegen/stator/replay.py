@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 Facts = dict[str, Any]
 
+# Streams of the levels end within a few periods of the logger: the log's end cuts them.
+MOST_CUT_US = 500_000
+
 
 @dataclass(frozen=True)
 class Subject:
@@ -134,6 +137,10 @@ def facts_of(recording: Recording, subject: Subject, run: Facts) -> Facts:
         ends.append(f"the log cannot be trusted further: {recording.problem}")
     for level, lost in sorted(recording.gaps.items()):
         ends.append(f"a gap: level {level} lost {lost:,} activations, as its stream was full")
+    if not ends and run["recorded_until_us"] - run["until_us"] > MOST_CUT_US:
+        ends.append(
+            f"something that a node read after {run['until_us'] * 1e-6:.3f} s is not recorded"
+        )
     same = all(topics.values())
     return {
         "equal": same and not ends and bool(topics),
@@ -144,6 +151,7 @@ def facts_of(recording: Recording, subject: Subject, run: Facts) -> Facts:
         "samples": sum(row["compared"] for row in run["topics"].values()),
         "different_samples": sum(row["different"] for row in run["topics"].values()),
         "replayed_until_s": run["until_us"] * 1e-6,
+        "recorded_until_s": run["recorded_until_us"] * 1e-6,
         "ends_early": bool(ends),
         "graph": subject.plan.graph.name,
         "board": board,

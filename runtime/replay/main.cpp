@@ -46,9 +46,11 @@ int main(int count, char** arguments) {
         return 2;
     }
     replay.run();
-    std::printf("{\"activations\": %llu, \"until_us\": %llu, \"topics\": {",
+    std::printf("{\"activations\": %llu, \"until_us\": %llu, \"recorded_until_us\": %llu",
                 static_cast<unsigned long long>(replay.activations()),
-                static_cast<unsigned long long>(replay.until_us()));
+                static_cast<unsigned long long>(replay.until_us()),
+                static_cast<unsigned long long>(replay.recorded_until_us()));
+    std::printf(", \"topics\": {");
     const char* comma = "";
     for (size_t i = 0; i < recording->topics.size(); ++i) {
         const TopicResult& result = replay.results()[i];

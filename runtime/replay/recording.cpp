@@ -16,6 +16,7 @@ constexpr size_t kMessageHead = 3;  // size and type
 constexpr char kRecording = 'X';
 constexpr unsigned kStream = 0x00;
 constexpr unsigned kDefinition = 0x10;
+constexpr unsigned kGap = 0x20;
 
 bool read_file(const char* path, std::vector<uint8_t>& bytes) {
     std::FILE* file = std::fopen(path, "rb");
@@ -110,7 +111,8 @@ class Definitions {
             row.ports.push_back({.topic = found->second,
                                  .is_input = is_input,
                                  .is_cursor = kind == "trigger" || kind == "queue",
-                                 .is_whole = kind == "whole"});
+                                 .is_whole = kind == "whole",
+                                 .is_stamp = kind == "stamp"});
         }
         return true;
     }
@@ -138,6 +140,8 @@ std::optional<Recording> read_recording(const char* log, size_t count) {
         if (kind == kStream) {
             auto& stream = recording.streams[level];
             stream.insert(stream.end(), content + 1, content + size);
+        } else if (kind == kGap) {
+            recording.has_gap[level] = true;
         } else if (kind == kDefinition) {
             const auto* text = reinterpret_cast<const char*>(content + 1);
             if (!definitions.add(std::string(text, size - 1))) return std::nullopt;

@@ -17,6 +17,7 @@ struct Port {
     bool is_input;
     bool is_cursor;  // a trigger or queue: has a start when its node is constructed anew
     bool is_whole;   // an output whose samples are recorded, not their CRC
+    bool is_stamp;   // an output of which only the times are recorded
 };
 
 struct TaskRow {
@@ -38,6 +39,7 @@ struct Recording {
     std::vector<TaskRow> tasks;
     bool has_modes = false;
     std::array<std::vector<uint8_t>, kStreams> streams;  // by level
+    std::array<bool, kStreams> has_gap{};                // its stream ends before the others
 };
 
 // Reads the first `bytes` of the log, which the command line has checked. Nothing if the file

@@ -3,6 +3,7 @@
 // before.
 #include "run.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <string_view>
@@ -119,7 +120,7 @@ bool Replay::read(Reader& reader, Job& job, bool is_scan) {
             const size_t bytes = recording_.topics[port.topic].bytes;
             whole = reader.skip(bytes);
             if (whole != nullptr) item.crc = crc32(0, whole, bytes);
-        } else if (!port.is_input) {
+        } else if (!port.is_input && !port.is_stamp) {
             item.crc = reader.word();
         }
         numbers[tag - 1] += static_cast<uint32_t>(reader.number());
@@ -137,24 +138,28 @@ bool Replay::read(Reader& reader, Job& job, bool is_scan) {
     task.numbers = numbers;
     task.now_us = job.now_us_;
     for (size_t i = 0; is_scan && i < job.items_.size(); ++i) {
-        keep(job.task_, job.items_[i].tag, job.items_[i].number, samples[i]);
+        keep(job, job.items_[i], samples[i]);
     }
     return true;
 }
 
-void Replay::keep(size_t task, unsigned tag, uint32_t number, const uint8_t* whole) {
-    const Port& port = recording_.tasks[task].ports[tag - 1];
+void Replay::keep(const Job& job, const Job::Item& item, const uint8_t* whole) {
+    const Port& port = recording_.tasks[job.task_].ports[item.tag - 1];
     if (port.is_input) return;
     const size_t bytes = recording_.topics[port.topic].bytes;
+    const uint32_t number = item.number;
     Store& store = stores_[port.topic];
     if (store.states.size() <= number) {
         store.states.resize(number + 1, State::kBeyond);
         store.producers.resize(number + 1, 0);
         store.samples.resize(bytes * (number + 1));
     }
-    store.states[number] = whole == nullptr ? State::kRecorded : State::kMade;
-    store.producers[number] = static_cast<uint32_t>(task);
+    const bool is_made = whole != nullptr || port.is_stamp;
+    store.states[number] = is_made ? State::kMade : State::kRecorded;
+    store.producers[number] = static_cast<uint32_t>(job.task_);
     if (whole != nullptr) std::memcpy(slot(port.topic, number), whole, bytes);
+    // A message begins with its timestamp.
+    if (port.is_stamp) std::memcpy(slot(port.topic, number), &job.now_us_, sizeof job.now_us_);
 }
 
 uint8_t* Replay::slot(size_t topic, uint32_t number) {
@@ -199,6 +204,8 @@ void Replay::run_next(size_t index) {
     if (!task.is_over) {
         ++activations_;
         task.run(job);
+    } else if (job.now_us_ < skipped_us_) {
+        skipped_us_ = job.now_us_;
     }
     conclude(job, !task.is_over);
 }
@@ -282,18 +289,29 @@ void Replay::differ(Difference difference) {
 }
 
 uint64_t Replay::until_us() const {
-    uint64_t until_us = std::numeric_limits<uint64_t>::max();
-    for (size_t i = 1; i < kStreams; ++i) {
-        if (levels_[i].tasks.empty()) continue;
-        uint64_t last_us = 0;
-        for (size_t task = 0; task < tasks_.size(); ++task) {
-            if (recording_.tasks[task].level != i || tasks_[task].activations.empty()) continue;
-            const uint64_t us = tasks_[task].activations.back().now_us;
-            if (us > last_us) last_us = us;
-        }
-        if (last_us < until_us) until_us = last_us;
+    uint64_t until_us = std::min(skipped_us_, recorded_until_us());
+    for (size_t level = 1; level < kStreams; ++level) {
+        if (recording_.has_gap[level]) until_us = std::min(until_us, end_us(level));
     }
-    return until_us == std::numeric_limits<uint64_t>::max() ? 0 : until_us;
+    return until_us;
+}
+
+uint64_t Replay::recorded_until_us() const {
+    uint64_t newest_us = 0;
+    for (size_t level = 1; level < kStreams; ++level) {
+        newest_us = std::max(newest_us, end_us(level));
+    }
+    return newest_us;
+}
+
+// The newest activation of a level.
+uint64_t Replay::end_us(size_t level) const {
+    uint64_t last_us = 0;
+    for (size_t task = 0; task < tasks_.size(); ++task) {
+        if (recording_.tasks[task].level != level || tasks_[task].activations.empty()) continue;
+        last_us = std::max(last_us, tasks_[task].activations.back().now_us);
+    }
+    return last_us;
 }
 
 }  // namespace stator::replay

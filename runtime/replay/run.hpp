@@ -40,8 +40,11 @@ class Replay {
     const std::vector<TopicResult>& results() const { return results_; }
     const std::optional<Difference>& first() const { return first_; }
     uint64_t activations() const { return activations_; }
-    // Up to when everything was replayed: the earliest end of a stream that has activations.
+    // Up to when everything was replayed: to the first activation that could not be, or the first
+    // gap.
     uint64_t until_us() const;
+    // The newest activation in the recording.
+    uint64_t recorded_until_us() const;
 
   private:
     friend class Job;
@@ -74,7 +77,8 @@ class Replay {
 
     bool scan_level(unsigned level);
     bool read(Reader& reader, Job& job, bool is_scan);
-    void keep(size_t task, unsigned tag, uint32_t number, const uint8_t* whole);
+    void keep(const Job& job, const Job::Item& item, const uint8_t* whole);
+    uint64_t end_us(size_t level) const;
     Level* earliest();
     void run_head(Level& level);
     void run_next(size_t task);
@@ -92,6 +96,7 @@ class Replay {
     std::vector<TopicResult> results_;
     std::optional<Difference> first_;
     uint64_t activations_ = 0;
+    uint64_t skipped_us_ = UINT64_MAX;  // the first activation that was not run
 };
 
 }  // namespace stator::replay

@@ -124,8 +124,13 @@ class RecordStream {
 
 // How the publications of an output are recorded.
 struct RecordedOutput {
+    enum class How : uint8_t {
+        kCrc,
+        kWhole,  // the sample itself, as nobody can compute it again
+        kStamp,  // only that there was one: of the logger, as its blocks hold the recording
+    };
     uint8_t tag;
-    bool whole;  // the sample itself, as nobody can compute it again; else its CRC
+    How how;
     const FloatRun* floats;
     uint16_t float_count;
 };
@@ -183,9 +188,10 @@ class Tap {
     // An output: before the commit, when the sample is complete and nobody else touches it ...
     void publishes(void* message, uint32_t bytes) {
         if (stream_ == nullptr) return;
-        canonicalise(static_cast<std::byte*>(message), output_->floats, output_->float_count);
         stream_->number(tag_);
-        if (output_->whole) return stream_->data(message, bytes);
+        if (output_->how == RecordedOutput::How::kStamp) return;
+        canonicalise(static_cast<std::byte*>(message), output_->floats, output_->float_count);
+        if (output_->how == RecordedOutput::How::kWhole) return stream_->data(message, bytes);
         const uint32_t crc = crc32(0, message, bytes);
         stream_->data(&crc, sizeof crc);
     }
