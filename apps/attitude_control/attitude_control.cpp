@@ -41,6 +41,16 @@ Vector3<float> down_B(const Quaternion<float>& q) {
             1.0F - 2.0F * (q.x() * q.x() + q.y() * q.y())};
 }
 
+// Thrust for the tilt that there is, so that a tilt which lags does not cost height.
+std::array<float, 3> upheld(const std::array<float, 3>& thrust_B, const Quaternion<float>& wanted,
+                            const Quaternion<float>& q_NB) {
+    constexpr float kLeast = 0.8F;
+    constexpr float kMost = 1.25F;
+    const float cos_tilt = math::max(down_B(q_NB).z(), 0.1F);
+    const float part = math::clamp(down_B(wanted).z() / cos_tilt, kLeast, kMost);
+    return {thrust_B[0], thrust_B[1], math::max(part * thrust_B[2], -1.0F)};
+}
+
 bool is_flown_by_hand(const AttitudeControlPorts& ports) {
     using Nav = VehicleStatus::NavState;
     if (!ports.status || !ports.sticks || !ports.sticks->valid) return false;
@@ -78,7 +88,9 @@ Vector3<float> AttitudeControl::rates_setpoint(const AttitudeControlPorts& ports
     if (is_usable(setpoint)) {
         wanted = math::quaternion(setpoint.q_d);
         yaw_rate = setpoint.yaw_sp_move_rate;
-        thrust_body_ = setpoint.thrust_body;
+        const bool by_sticks = is_flown_by_hand(ports);
+        thrust_body_ =
+            by_sticks ? setpoint.thrust_body : upheld(setpoint.thrust_body, wanted, q_NB);
         has_setpoint_ = true;
     }
     if (!has_setpoint_) return Vector3<float>::Zero();

@@ -133,7 +133,9 @@ void PositionControl::step(PositionControlPorts& ports) {
         // A vehicle that only seemed to have landed goes on with the integral it had.
         if (!armed || is_flown_by_hand(ports)) motion_.reset();
         armed_for_s_ = 0.0F;
-        publish_attitude(ports, Vector3<float>::Zero(), heading_, 0.0F);
+        // On the ground enough to stay upright in a gust.
+        const float idle = armed && rests(ports) ? params.thrust_min : 0.0F;
+        publish_attitude(ports, {0.0F, 0.0F, -idle}, heading_, 0.0F);
         return;
     }
     if (armed_for_s_ == 0.0F && stands(ports)) motion_.reset();

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.build import PREEMPTION, build
-from stator.cli import path
-from stator.diagnostics import UserError
+from stator.cli import make_plan, path
+from stator.diagnostics import UserError, shown_path
 from stator.flight_arguments import (
     USUAL_DURATION_S,
     add_flight_arguments,
@@ -61,6 +61,8 @@ def main(arguments: argparse.Namespace) -> int:
     try:
         mission = None if arguments.mission is None else read_mission(arguments.mission)
         complete(arguments, mission)
+        if mission is not None:
+            _check_takes_missions(arguments.graph, arguments.board)
         variant = {} if arguments.times == "zero" else PREEMPTION
         times = times_of(arguments)
         program = build(
@@ -98,6 +100,15 @@ def complete(arguments: argparse.Namespace, mission: Mission | None) -> None:
         arguments.graph = HOME / "graph" / name
     if arguments.duration is None:
         arguments.duration = max(USUAL_DURATION_S, mission.seconds if mission else 0.0)
+
+
+def _check_takes_missions(graph: Path, board: str) -> None:
+    plan = make_plan(str(graph), board)
+    if not any(node.interface.name == "mission" for node in plan.graph.nodes.values()):
+        raise UserError(
+            f"error: {shown_path(graph)} has no node that takes a mission\n"
+            "hint: leave the graph out, or include quad_outdoor.yaml in yours"
+        )
 
 
 def _run(

@@ -193,5 +193,16 @@ TEST_F(AttitudeControlTest, sticks_that_are_not_heard_or_not_asked_do_nothing) {
     EXPECT_LT(math::norm(rates_at(Quaternion<float>::Identity())), 1e-5F);
 }
 
+// Wanted is 0.5 along a thrust axis tilted by 0.6; the vehicle is at 0.3 yet: the vertical part of
+// what it gets is that of what was wanted.
+TEST_F(AttitudeControlTest, a_tilt_that_lags_does_not_cost_height) {
+    set(euler(0.6F, 0.0F, 0.0F));
+    rates_at(euler(0.3F, 0.0F, 0.0F));
+    EXPECT_NEAR(newest_.thrust_body[2] * math::cos(0.3F), -0.5F * math::cos(0.6F), 1e-6F);
+    set(euler(0.0F, 0.0F, 0.0F));
+    rates_at(euler(1.2F, 0.0F, 0.0F));
+    EXPECT_NEAR(newest_.thrust_body[2], -0.5F * 1.25F, 1e-6F);  // and no more than that
+}
+
 }  // namespace
 }  // namespace stator

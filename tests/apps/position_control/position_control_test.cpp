@@ -323,7 +323,7 @@ TEST_F(PositionControlTest, on_the_ground_it_wants_nothing_until_it_shall_climb)
     land_.landed = true;
     setpoint_.position = {5.0F, 0.0F, 0.0F};
     steps(20);
-    EXPECT_EQ(thrust(), 0.0F);
+    EXPECT_EQ(thrust(), params_.thrust_min);
     EXPECT_LT(math::tilt(attitude()), 1e-4F);
     setpoint_.velocity[2] = -0.5F;
     step();
