@@ -11,9 +11,9 @@ namespace stator {
 
 // Runs with every position estimate. Disarmed, without a status, or while the pilot's sticks are
 // the attitude (modes manual and stabilized), and on the ground until it shall climb, it wants
-// level and no thrust, or very little. Without a setpoint it stands still. Without a position, if something else
-// activates it, it waits a moment, then sinks level; so it does axis by axis with what the estimate
-// calls invalid.
+// level and no thrust, or very little. Without a setpoint it stands still. Without a position, if
+// something else activates it, it waits a moment, then sinks level; so it does axis by axis with
+// what the estimate calls invalid.
 class PositionControl {
   public:
     void step(PositionControlPorts& ports);
