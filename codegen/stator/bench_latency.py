@@ -254,10 +254,23 @@ def _draw(programs: dict[str, Path], rounds: dict[str, list[Rows]]) -> Path:
                 panel.hist(latency[latency > 0], bins, histtype="step", alpha=0.5, label=name)
         panel.set(title=title, ylabel="samples", xscale="log", yscale="log")
         panel.legend(loc="upper right")
-    panels[1].set_xlabel("publication to reception [us]")
+    panels[1].set_xlabel(f"publication to reception [us]; {_firmware()}")
     figure.savefig(PICTURE, dpi=120)
     pyplot.close(figure)
     return PICTURE
+
+
+def _firmware() -> str:
+    """Emulated figures are counts, no times."""
+    from stator.counts import counts
+    from stator.emulate import NoEmulator
+
+    try:
+        _, least, most, _ = counts()[0]
+    except (NoEmulator, OSError):
+        return "firmware: not counted, as there is no emulator"
+    count = f"{least}" if least == most else f"{least} to {most}"
+    return f"firmware in QEMU: {count} instructions"
 
 
 def _some(program: Path, *options: str) -> list[Rows]:
