@@ -78,6 +78,19 @@ TEST(DroneCanCodec, clamps_what_does_not_fit) {
     EXPECT_EQ(read.cmd.items[2], -8192);
 }
 
+// Expected: `f16_from_f32(cast(value))` of dronecan.transport.
+TEST(DroneCanCodec, rounds_to_16_bits_as_others_do) {
+    const std::pair<float, uint16_t> rows[] = {
+        {0x1.54fdf40000000p-2F, 0x3554},   {0x1.0020000000000p+11F, 0x6801},
+        {0x1.0060000000000p+11F, 0x6802},  {0x1.ffde000000000p+15F, 0x7BFF},
+        {-0x1.1170000000000p+16F, 0xFBFF}, {0x1.ffb4800000000p-15F, 0x03FF},
+        {0x1.fff5ca0000000p-25F, 0x0001},  {0x1.f2375a0000000p-26F, 0x0000},
+        {0x1.0a49b80000000p-25F, 0x0001},  {0x1.b7cdfe0000000p-34F, 0x0000},
+        {0x1.0020000000000p+0F, 0x3C01},   {0x1.0040000000000p+0F, 0x3C01},
+        {-0x1.99999a0000000p-4F, 0xAE66}};
+    for (const auto& [value, bits] : rows) EXPECT_EQ(to_float16(value), bits) << value;
+}
+
 TEST(DroneCanCodec, refuses_bytes_too_many_and_too_few) {
     std::array<uint8_t, 8> bytes{};
     protocol::NodeStatus status;
