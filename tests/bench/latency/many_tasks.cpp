@@ -63,6 +63,8 @@ constinit const Program program{.tasks = kTaskRows.data(),
                                 .timer_count = kTasks,
                                 .levels = kLevelRows.data(),
                                 .level_count = kLevels,
+                                .watched = nullptr,
+                                .watched_count = 0,
                                 .start = [] {}};
 
 }  // namespace stator

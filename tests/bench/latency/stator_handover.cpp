@@ -73,6 +73,8 @@ constinit const Program program{.tasks = kTasks,
                                 .timer_count = 1,
                                 .levels = kLevels,
                                 .level_count = 2,
+                                .watched = nullptr,
+                                .watched_count = 0,
                                 .start = [] {}};
 
 }  // namespace stator
