@@ -124,7 +124,8 @@ TEST(Options, refuses_what_it_does_not_know) {
     Options options;
     EXPECT_EQ(refusal({"--sed", "1"}, options),
               "error: unknown argument '--sed': known are --log FILE, --truth FILE, --seed N, "
-              "--duration SECONDS, --times zero|random, --vary no|yes, --wind M_S, "
+              "--duration SECONDS, --times zero|random, --budgets TASK=US,..., "
+              "--vary no|yes, --wind M_S, "
               "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
               "--pilot FILE, --mission FILE, --speed FACTOR\n");
 }
