@@ -134,7 +134,7 @@ def test_99_of_100_varied_vehicles_fly_the_square(tmp_path: Path) -> None:
 def test_varied_vehicles_hover_in_wind_and_gusts(tmp_path: Path) -> None:
     """None is lost, though the weakest cannot always hold its place."""
     flown = fly_many("hover", range(1, 31), tmp_path, "--vary", "yes", *WINDY)
-    lost = {s: f.problems for s, f in flown.items() if any("land" in p for p in f.problems)}
+    lost = {s: f.problems for s, f in flown.items() if any("land" in p.text for p in f.problems)}
     assert lost == {}
 
 
