@@ -20,6 +20,10 @@ constexpr float kPositionLost_s = 0.5F;
 constexpr float kTouchdownLag = 0.25F;   // m
 constexpr float kTouchdownSpeed = 0.1F;  // m/s
 constexpr float kTouchdownTime_s = 0.5F;
+// At the height of the take-off there is no doubt, and no time: a vehicle that leans into the wind
+// while the ground levels it falls over if it flies on.
+constexpr float kAtGround = 0.15F;  // m, where a leaning one stands on a foot
+constexpr float kTouchdownTimeAtGround_s = 0.2F;
 
 // A landing without position may take twice its planned time and this.
 constexpr float kBlindMargin_s = 5.0F;
@@ -78,6 +82,7 @@ void Sequence::begin_landing(const SequenceParams& params) {
 
 void Sequence::wait(const SequenceParams& params) {
     if (bad_for_s_ > 0.0F || good_for_s_ < params.start_delay) return;
+    ground_z_ = position_N_.z();
     leg_ = StraightLeg(position_N_, up(), 0.0F);
     yaw_ = heading_;
     begin(Phase::kSpoolUp);
@@ -87,7 +92,6 @@ void Sequence::spool_up(const SequenceParams& params) {
     if (bad_for_s_ > 0.0F) {
         begin(Phase::kWait);
     } else if (in_phase_s_ >= params.spool_up_time) {
-        ground_z_ = position_N_.z();
         leg_ = StraightLeg(position_N_, up(), params.height);
         begin(Phase::kClimb);
     }
@@ -130,8 +134,10 @@ void Sequence::land(const SequenceParams& params, float dt) {
 bool Sequence::has_touched_down(float dt) {
     const bool lags = leg_.position().z() - position_N_.z() > kTouchdownLag;
     const bool is_still = math::abs(down_speed_) < kTouchdownSpeed;
-    still_for_s_ = bad_for_s_ == 0.0F && lags && is_still ? still_for_s_ + dt : 0.0F;
-    return still_for_s_ >= kTouchdownTime_s;
+    const bool at_ground = ground_z_ - position_N_.z() < kAtGround;
+    const bool stands = bad_for_s_ == 0.0F && is_still && (lags || at_ground);
+    still_for_s_ = stands ? still_for_s_ + dt : 0.0F;
+    return still_for_s_ >= (at_ground ? kTouchdownTimeAtGround_s : kTouchdownTime_s);
 }
 
 void Sequence::advance(const SequenceParams& params, float dt) {
