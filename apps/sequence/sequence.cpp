@@ -134,7 +134,7 @@ void Sequence::land(const SequenceParams& params, float dt) {
 bool Sequence::has_touched_down(float dt) {
     const bool lags = leg_.position().z() - position_N_.z() > kTouchdownLag;
     const bool is_still = math::abs(down_speed_) < kTouchdownSpeed;
-    const bool at_ground = ground_z_ - position_N_.z() < kAtGround;
+    const bool at_ground = math::abs(ground_z_ - position_N_.z()) < kAtGround;
     const bool stands = bad_for_s_ == 0.0F && is_still && (lags || at_ground);
     still_for_s_ = stands ? still_for_s_ + dt : 0.0F;
     return still_for_s_ >= (at_ground ? kTouchdownTimeAtGround_s : kTouchdownTime_s);

@@ -18,7 +18,13 @@ from stator.cli import make_plan
 from stator.diagnostics import UserError
 from stator.fault_record import in_words
 from stator.firmware import build_image
-from stator.flight_arguments import add_flight_arguments, flight_options, rates_of, recording_of
+from stator.flight_arguments import (
+    add_flight_arguments,
+    flight_options,
+    is_windy,
+    rates_of,
+    recording_of,
+)
 from stator.flight_facts import default_log, facts_of, keep
 from stator.flight_report import report
 from stator.library import HOME
@@ -74,7 +80,13 @@ def main(arguments: argparse.Namespace) -> int:
             plan = make_plan(str(arguments.graph), arguments.board)
             print(in_words(finished.stderr, plan, image).rstrip(), file=sys.stderr)
             return 2
-        facts = facts_of(finished, log, truth, is_recorded=not arguments.no_record)
+        facts = facts_of(
+            finished,
+            log,
+            truth,
+            is_recorded=not arguments.no_record,
+            in_wind=is_windy(arguments),
+        )
     facts |= rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["emulator"] = emulator.version

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
@@ -16,10 +17,6 @@ if TYPE_CHECKING:
 
 Floats: TypeAlias = NDArray[np.float64]
 
-# A flight outside these limits has failed.
-MOST_ERROR_M = 0.15
-MOST_TILT_ERROR_DEG = 0.5
-MOST_TOUCHDOWN_M_S = 0.7
 MOST_LANDED_TILT_DEG = 20.0
 
 # graph/messages/VehicleStatus.yaml
@@ -37,6 +34,38 @@ FAILSAFE_EVENTS = {
 
 class UnreadableFlight(Exception):
     """The log or the truth lacks what a judgement needs."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """A flight outside them has failed. None: not held to it."""
+
+    hover_m: float | None
+    hover_horizontal_rms_m: float | None
+    hover_vertical_rms_m: float | None
+    tilt_error_deg: float  # RMS
+    touchdown_m_s: float
+
+    def as_json(self) -> dict[str, float | None]:
+        return dataclasses.asdict(self)
+
+
+CALM = Limits(
+    hover_m=0.15,
+    hover_horizontal_rms_m=None,
+    hover_vertical_rms_m=None,
+    tilt_error_deg=0.5,
+    touchdown_m_s=0.7,
+)
+# A gust moves the vehicle before anything can answer, so the mean counts. The accelerations that it
+# causes last as long as the specific force is averaged to find gravity, and tilt the estimate.
+IN_WIND = Limits(
+    hover_m=None,
+    hover_horizontal_rms_m=1.0,
+    hover_vertical_rms_m=0.5,
+    tilt_error_deg=1.5,
+    touchdown_m_s=1.0,
+)
 
 
 @dataclass(frozen=True)
@@ -72,6 +101,8 @@ class Hover:
     height_m: float
     max_error_m: float
     rms_error_m: float
+    horizontal_rms_m: float
+    vertical_rms_m: float
     worst_s: float
     worst_position: Floats
 
@@ -149,7 +180,7 @@ def read_flight(log: ULog, truth: Truth, run: dict[str, object]) -> Flight:
     )
 
 
-def judge(flight: Flight) -> Judgement:
+def judge(flight: Flight, limits: Limits = CALM) -> Judgement:
     if not np.isfinite(flight.truth.position).all():
         left = Problem("the simulated vehicle left the range of numbers")
         return Judgement(None, None, [left])
@@ -158,9 +189,9 @@ def judge(flight: Flight) -> Judgement:
     hover = _hover(flight)
     tilt = _tilt(flight)
     problems = [
-        *_hover_problems(hover),
-        *_tilt_problems(tilt),
-        *landing_problems(flight, MOST_TOUCHDOWN_M_S),
+        *_hover_problems(hover, limits),
+        *_tilt_problems(tilt, limits.tilt_error_deg),
+        *landing_problems(flight, limits.touchdown_m_s),
     ]
     return Judgement(hover, tilt, problems)
 
@@ -173,7 +204,8 @@ def _hover(flight: Flight) -> Hover | None:
     time = flight.truth.time_s
     nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
     setpoint = newest(flight.setpoint_time_s, flight.setpoint, time)
-    error = np.linalg.norm(np.nan_to_num(flight.truth.position - setpoint), axis=1)
+    offset = np.nan_to_num(flight.truth.position - setpoint)
+    error = np.linalg.norm(offset, axis=1)
     rows = np.flatnonzero((nav_state == HOLD) & in_flight(flight, time))
     if rows.size < 2:
         return None
@@ -183,21 +215,30 @@ def _hover(flight: Flight) -> Hover | None:
         height_m=-float(np.mean(flight.truth.position[rows, 2])),
         max_error_m=float(error[worst]),
         rms_error_m=rms(error[rows]),
+        horizontal_rms_m=rms(np.linalg.norm(offset[rows, :2], axis=1)),
+        vertical_rms_m=rms(offset[rows, 2]),
         worst_s=float(time[worst]),
         worst_position=flight.truth.position[worst],
     )
 
 
-def _hover_problems(hover: Hover | None) -> list[Problem]:
+def _hover_problems(hover: Hover | None, limits: Limits) -> list[Problem]:
     if hover is None:
         return [Problem("never hovered: in flight, vehicle_status never said hold")]
-    if hover.max_error_m <= MOST_ERROR_M:
-        return []
-    text = (
-        f"hover: {hover.max_error_m:.3f} m from the setpoint at {hover.worst_s:.2f} s, "
-        f"{place(hover.worst_position)} (limit {MOST_ERROR_M:g} m)"
+    worst = (
+        f"{hover.max_error_m:.3f} m from the setpoint at {hover.worst_s:.2f} s, "
+        f"{place(hover.worst_position)}"
     )
-    return [Problem(text, hover.worst_s, hover.worst_position)]
+    texts = []
+    if limits.hover_m is not None and hover.max_error_m > limits.hover_m:
+        texts.append(f"hover: {worst} (limit {limits.hover_m:g} m)")
+    for way, error, most in (
+        ("horizontally", hover.horizontal_rms_m, limits.hover_horizontal_rms_m),
+        ("vertically", hover.vertical_rms_m, limits.hover_vertical_rms_m),
+    ):
+        if most is not None and error > most:
+            texts.append(f"hover: {error:.2f} m RMS {way} (limit {most:g} m), at most {worst}")
+    return [Problem(text, hover.worst_s, hover.worst_position) for text in texts]
 
 
 # --- tilt ---
@@ -217,14 +258,14 @@ def _tilt(flight: Flight) -> Tilt | None:
     return Tilt(rms(error_deg), float(error_deg[worst]), float(time[worst]))
 
 
-def _tilt_problems(tilt: Tilt | None) -> list[Problem]:
+def _tilt_problems(tilt: Tilt | None, most_deg: float) -> list[Problem]:
     if tilt is None:
         return [Problem("no estimate of attitude was logged in flight")]
-    if tilt.rms_deg <= MOST_TILT_ERROR_DEG:
+    if tilt.rms_deg <= most_deg:
         return []
     text = (
         f"estimated tilt: {tilt.rms_deg:.2f} deg RMS from the truth, most at {tilt.worst_s:.2f} s "
-        f"with {tilt.max_deg:.2f} deg (limit {MOST_TILT_ERROR_DEG:g} deg RMS)"
+        f"with {tilt.max_deg:.2f} deg (limit {most_deg:g} deg RMS)"
     )
     return [Problem(text, tilt.worst_s)]
 

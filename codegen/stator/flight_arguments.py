@@ -94,6 +94,10 @@ def flight_options(arguments: argparse.Namespace) -> list[str]:
     return options
 
 
+def is_windy(arguments: argparse.Namespace) -> bool:
+    return bool(arguments.wind > 0.0 or arguments.gusts != "none")
+
+
 def rates_of(arguments: argparse.Namespace) -> dict[str, object]:
     """What a recording takes as a rule at most, and what the graph's own board can store."""
     from stator.emit_recording import bytes_per_second, is_recordable, storage_bytes_per_second

@@ -37,6 +37,7 @@ def facts_of(
     mission: Mission | None = None,
     *,
     judges: bool = True,
+    in_wind: bool = False,
     is_recorded: bool = False,
 ) -> dict[str, object]:
     """What `--json` prints. A fact that there is none of is None."""
@@ -57,6 +58,8 @@ def facts_of(
         "duration_s": None,
         "max_error_m": None,
         "rms_error_m": None,
+        "hover_horizontal_rms_m": None,
+        "hover_vertical_rms_m": None,
         "hover_s": None,
         "hover_height_m": None,
         "attitude_error_deg": None,
@@ -76,15 +79,20 @@ def facts_of(
         facts |= {"preemptions": None, "unrecorded_activations": None}
     if not judges:
         return facts | {"success": True, "reason": "ran to its end"}
-    return facts | _judged(log, truth, run, mission)
+    return facts | _judged(log, truth, run, mission, in_wind=in_wind)
 
 
 def _judged(
-    log: Path, truth: Path, run: dict[str, object], mission: Mission | None
+    log: Path,
+    truth: Path,
+    run: dict[str, object],
+    mission: Mission | None,
+    *,
+    in_wind: bool,
 ) -> dict[str, object]:
     from pyulog import ULog
 
-    from stator.flight import UnreadableFlight, judge, read_flight, read_truth
+    from stator.flight import CALM, IN_WIND, UnreadableFlight, judge, read_flight, read_truth
     from stator.mission_flight import judge_mission
 
     if log.stat().st_size == 0:
@@ -95,10 +103,11 @@ def _judged(
         if mission is not None:
             flown = judge_mission(ulog, flight, mission)
             return flown.facts | _verdict(flown.problems)
-        judgement = judge(flight)
+        limits = IN_WIND if in_wind else CALM
+        judgement = judge(flight, limits)
     except UnreadableFlight as unreadable:
         return {"reason": str(unreadable)}
-    return _judgement_facts(judgement)
+    return _judgement_facts(judgement) | {"limits": limits.as_json()}
 
 
 def _verdict(problems: list[Problem]) -> dict[str, object]:
@@ -116,6 +125,8 @@ def _judgement_facts(judgement: Judgement) -> dict[str, object]:
         facts |= {
             "max_error_m": judgement.hover.max_error_m,
             "rms_error_m": judgement.hover.rms_error_m,
+            "hover_horizontal_rms_m": judgement.hover.horizontal_rms_m,
+            "hover_vertical_rms_m": judgement.hover.vertical_rms_m,
             "hover_s": judgement.hover.seconds,
             "hover_height_m": judgement.hover.height_m,
         }

@@ -30,24 +30,33 @@ def show(facts: dict[str, object], more: list[tuple[str, str]]) -> None:
 
 
 def flight_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
-    from stator.flight import MOST_ERROR_M, MOST_TILT_ERROR_DEG, MOST_TOUCHDOWN_M_S
-
     rows = _mission_rows(facts) if facts.get("mission") else []
+    limits = facts.get("limits", {})
+    assert isinstance(limits, dict)
     if facts["take_off_s"] is not None:
         rows.append(("take-off", f"at {facts['take_off_s']:.2f} s"))
     if facts["max_error_m"] is not None:
         where = f"{facts['hover_s']:.1f} s at {facts['hover_height_m']:.2f} m"
-        error = f"{facts['max_error_m']:.3f} m off at most, {facts['rms_error_m']:.3f} m RMS"
-        rows.append(("hover", f"{where}: {error} (limit {MOST_ERROR_M:g} m)"))
+        limit = limit_of(limits.get("hover_m"), "m")
+        error = f"{facts['max_error_m']:.3f} m off at most{limit}, {facts['rms_error_m']:.3f} m RMS"
+        rows.append(("hover", f"{where}: {error}"))
+        for way in ("horizontal", "vertical"):
+            key = f"hover_{way}_rms_m"
+            if limits.get(key) is not None:
+                error = f"{facts[key]:.3f} m RMS {way}"
+                rows.append(("hover", f"{error}{limit_of(limits[key], 'm')}"))
     if facts["attitude_error_deg"] is not None:
         error = f"{facts['attitude_error_deg']:.2f} deg RMS error of the estimate in flight"
-        rows.append(("tilt", f"{error} (limit {MOST_TILT_ERROR_DEG:g} deg)"))
+        rows.append(("tilt", f"{error}{limit_of(limits.get('tilt_error_deg'), 'deg')}"))
     if facts["touchdown_m_s"] is not None:
         when = f"at {facts['touchdown_s']:.2f} s with {facts['touchdown_m_s']:.2f} m/s"
-        limits = facts.get("limits")
-        most = limits["touchdown_speed"] if isinstance(limits, dict) else MOST_TOUCHDOWN_M_S
-        rows.append(("touchdown", f"{when} (limit {most:g} m/s)"))
+        most = limits.get("touchdown_speed" if facts.get("mission") else "touchdown_m_s")
+        rows.append(("touchdown", f"{when}{limit_of(most, 'm/s')}"))
     return rows
+
+
+def limit_of(most: float | None, unit: str) -> str:
+    return "" if most is None else f" (limit {most:g} {unit})"
 
 
 # Facts of a mission, the limit of its file that each is held to, and what they say.

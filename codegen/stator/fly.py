@@ -17,6 +17,7 @@ from stator.flight_arguments import (
     USUAL_DURATION_S,
     add_flight_arguments,
     flight_options,
+    is_windy,
     rates_of,
     recording_of,
     speed_of,
@@ -80,7 +81,14 @@ def main(arguments: argparse.Namespace) -> int:
         if finished.returncode > 0:
             print(finished.stderr.rstrip(), file=sys.stderr)
             return 2
-        facts = facts_of(finished, log, truth, mission, is_recorded=not arguments.no_record)
+        facts = facts_of(
+            finished,
+            log,
+            truth,
+            mission,
+            is_recorded=not arguments.no_record,
+            in_wind=is_windy(arguments),
+        )
     facts |= {"mission": arguments.mission.stem if arguments.mission else None}
     facts |= rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}

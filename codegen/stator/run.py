@@ -13,7 +13,13 @@ from typing import TYPE_CHECKING, Any
 from stator.build import build
 from stator.cli import make_plan
 from stator.diagnostics import UserError
-from stator.flight_arguments import add_flight_arguments, flight_options, rates_of, recording_of
+from stator.flight_arguments import (
+    add_flight_arguments,
+    flight_options,
+    is_windy,
+    rates_of,
+    recording_of,
+)
 from stator.flight_facts import default_log, facts_of
 from stator.flight_report import flight_rows, log_row, show
 from stator.progress import progress
@@ -57,7 +63,14 @@ def main(arguments: argparse.Namespace) -> int:
     if finished.returncode == NOT_RUN:
         print(finished.stderr.rstrip(), file=sys.stderr)
         return NOT_RUN
-    facts = _facts(finished, log, truth, flies=flies, is_recorded=not arguments.no_record)
+    facts = _facts(
+        finished,
+        log,
+        truth,
+        flies=flies,
+        is_recorded=not arguments.no_record,
+        in_wind=is_windy(arguments),
+    )
     facts |= rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     if arguments.json:
@@ -118,8 +131,11 @@ def _facts(
     *,
     flies: bool,
     is_recorded: bool,
+    in_wind: bool,
 ) -> dict[str, Any]:
-    facts: dict[str, Any] = facts_of(finished, log, truth, judges=flies, is_recorded=is_recorded)
+    facts: dict[str, Any] = facts_of(
+        finished, log, truth, judges=flies, is_recorded=is_recorded, in_wind=in_wind
+    )
     if finished.returncode < 0:
         return facts
     run = json.loads(finished.stdout)

@@ -159,6 +159,34 @@ TEST_F(SequenceTest, turns_the_shorter_way) {
     EXPECT_FLOAT_EQ(setpoint_.yaw, -3.0F);
 }
 
+TEST_F(SequenceTest, on_the_ground_that_it_left_it_stops_at_once) {
+    run_until(Arming::kArmed, Nav::kLand);
+    follows_ = false;
+    position_.vz = 0.05F;
+    position_.z = -0.2F;  // a gust holds it, higher than a leaning vehicle stands
+    run(0.45);
+    EXPECT_TRUE(is_armed());
+    position_.vz = 0.4F;
+    step();
+    position_.z = -0.1F;
+    run(0.15);
+    position_.vz = 0.05F;
+    run(0.16);
+    EXPECT_TRUE(is_armed());
+    run(0.06);
+    EXPECT_FALSE(is_armed());
+}
+
+TEST_F(SequenceTest, the_ground_is_where_it_stood_when_it_was_armed) {
+    position_.z = -1.0F;
+    run_until(Arming::kArmed, Nav::kTakeoff);
+    follows_ = false;
+    position_.z = -1.3F;  // lifted by a gust before it climbs
+    run_until(Arming::kArmed, Nav::kHold);
+    run(5.0);
+    EXPECT_FLOAT_EQ(setpoint_.position[2], -1.0F - params_.height);
+}
+
 TEST_F(SequenceTest, something_that_blocks_the_descent_in_motion_is_no_touchdown) {
     run_until(Arming::kArmed, Nav::kLand);
     follows_ = false;

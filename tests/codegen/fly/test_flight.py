@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from stator.flight import (
+    IN_WIND,
     Flight,
     Floats,
     Judgement,
@@ -106,6 +107,26 @@ def test_hover_error_says_where_and_when() -> None:
         "hover: 0.206 m from the setpoint at 20.00 s, "
         "1.00 m north, -0.80 m east, 2.00 m up (limit 0.15 m)"
     ]
+
+
+def test_hover_in_wind_is_judged_by_rms() -> None:
+    position = truth().position
+    position[2000] += [0.0, 5.0, 2.0]
+    assert texts(judge(with_truth(position=position), IN_WIND)) == []
+    position += [0.0, 0.9, 0.6]
+    problems = texts(judge(with_truth(position=position), IN_WIND))
+    assert len(problems) == 1
+    assert problems[0].startswith("hover: 0.60 m RMS vertically (limit 0.5 m), at most ")
+    position += [0.6, 0.0, 0.0]
+    problems = texts(judge(with_truth(position=position), IN_WIND))
+    assert problems[0].startswith("hover: 1.12 m RMS horizontally (limit 1 m), at most ")
+
+
+def test_wind_tilts_the_estimate_and_hardens_the_touchdown() -> None:
+    tilted = rolled(np.full(flight().attitude_time_s.size, math.radians(1.4)))
+    assert texts(judge(flight(attitude_q=tilted, touchdown_m_s=0.9), IN_WIND)) == []
+    tilted = rolled(np.full(flight().attitude_time_s.size, math.radians(1.6)))
+    assert len(texts(judge(flight(attitude_q=tilted, touchdown_m_s=1.1), IN_WIND))) == 2
 
 
 def test_error_outside_of_hold_does_not_count() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
+from stator.flight import CALM, IN_WIND
 from stator.flight_report import flight_rows
 
 FACTS: dict[str, Any] = {
@@ -26,6 +28,40 @@ FACTS: dict[str, Any] = {
     "touchdown_s": 49.67,
     "touchdown_m_s": 0.45,
 }
+
+
+HOVER: dict[str, Any] = {
+    "take_off_s": 2.9,
+    "hover_s": 33.0,
+    "hover_height_m": 2.0,
+    "max_error_m": 0.5,
+    "rms_error_m": 0.24,
+    "hover_horizontal_rms_m": 0.22,
+    "hover_vertical_rms_m": 0.08,
+    "attitude_error_deg": 0.56,
+    "touchdown_s": 46.2,
+    "touchdown_m_s": 0.29,
+}
+
+
+def test_a_hovers_rows_name_the_limits_of_wind() -> None:
+    rows = flight_rows(HOVER | {"limits": dataclasses.asdict(IN_WIND)})
+    assert rows == [
+        ("take-off", "at 2.90 s"),
+        ("hover", "33.0 s at 2.00 m: 0.500 m off at most, 0.240 m RMS"),
+        ("hover", "0.220 m RMS horizontal (limit 1 m)"),
+        ("hover", "0.080 m RMS vertical (limit 0.5 m)"),
+        ("tilt", "0.56 deg RMS error of the estimate in flight (limit 1.5 deg)"),
+        ("touchdown", "at 46.20 s with 0.29 m/s (limit 1 m/s)"),
+    ]
+
+
+def test_a_hovers_rows_in_calm_air() -> None:
+    rows = flight_rows(HOVER | {"limits": dataclasses.asdict(CALM)})
+    assert rows[1:3] == [
+        ("hover", "33.0 s at 2.00 m: 0.500 m off at most (limit 0.15 m), 0.240 m RMS"),
+        ("tilt", "0.56 deg RMS error of the estimate in flight (limit 0.5 deg)"),
+    ]
 
 
 def test_a_missions_rows() -> None:
