@@ -111,8 +111,8 @@ TEST_F(SequenceTest, flies_the_plan) {
     EXPECT_EQ(setpoint_.velocity, (std::array{0.0F, 0.0F, 0.0F}));
     EXPECT_FLOAT_EQ(setpoint_.yaw, 1.0F);
     EXPECT_NEAR(run_until(Arming::kArmed, Nav::kLand), 5.0, 0.3);
-    // 2 m at 0.4 m/s with 0.8 s of acceleration, then 0.25 m and 0.5 s to be sure.
-    EXPECT_NEAR(run_until(Arming::kDisarmed, Nav::kLand), 5.4 + 1.1, 0.3);
+    // 2 m at 0.4 m/s with 0.8 s of acceleration, then 0.2 s to be sure.
+    EXPECT_NEAR(run_until(Arming::kDisarmed, Nav::kLand), 5.4 + 0.2, 0.1);
 }
 
 TEST_F(SequenceTest, setpoints_are_smooth) {
@@ -183,7 +183,7 @@ TEST_F(SequenceTest, the_ground_is_where_it_stood_when_it_was_armed) {
     follows_ = false;
     position_.z = -1.3F;  // lifted by a gust before it climbs
     run_until(Arming::kArmed, Nav::kHold);
-    run(5.0);
+    run(8.0);
     EXPECT_FLOAT_EQ(setpoint_.position[2], -1.0F - params_.height);
 }
 
