@@ -39,6 +39,17 @@ def test_the_firmware_keeps_the_limits(
     assert facts["emulator"] == emulator.version
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [2, 9])
+def test_the_firmware_holds_its_place_in_wind(
+    emulator: Emulator, capsys: pytest.CaptureFixture[str], tmp_path: Path, seed: int
+) -> None:
+    wind = ["--wind", "8", "--gusts", "moderate"]
+    status, facts = emulate(capsys, *wind, "--seed", str(seed), "-o", str(tmp_path / "flight.ulg"))
+    assert (status, facts["success"]) == (0, True), facts
+    assert facts["emulator"] == emulator.version
+
+
 @pytest.mark.parametrize("runs", [2, pytest.param(10, marks=pytest.mark.long)])
 def test_a_flight_repeats_bit_for_bit(
     emulator: Emulator,
