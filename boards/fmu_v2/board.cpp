@@ -36,8 +36,15 @@ uint32_t timer_us() {
     return kTimer.us();
 }
 
+extern const TickSource kTickSource{168'000'000, 0, 1};
+uint32_t ticks() {
+    return cycles::kCount.read();
+}
+
 void prepare() {
     make_safe();
+    cycles::kDebugControl.set(cycles::kTrace);
+    cycles::kControl.set(cycles::kEnable);
     require(stm32f4::start_clocks(kCrystal_mhz) != stm32f4::ClockSource::kNone, "no clock");
     kTimer.start();
     start_pins();

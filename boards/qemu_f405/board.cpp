@@ -9,6 +9,7 @@
 #include "link.hpp"
 #include "newest.hpp"
 #include "semihosting.hpp"
+#include "serial.hpp"
 #include "stator/cortex_m.hpp"
 #include "timers.hpp"
 
@@ -46,6 +47,11 @@ constexpr uint32_t kPriorityBits = 0xF0;
 
 constexpr Clock kClock;
 bool is_kicked = false;
+SerialPort serial;
+constexpr Transport kLink{
+    .read = [](uint8_t* bytes, size_t most) { return serial.read(bytes, most); },
+    .write = [](const uint8_t* bytes, size_t count) { return serial.write(bytes, count); },
+};
 semihosting::File to_plant;
 semihosting::File from_plant;
 semihosting::File log_file;
@@ -163,6 +169,12 @@ void hand_over(const link::FromPlant& from) {
 
 }  // namespace
 
+// 8 ns an instruction: codegen/stator/emulate.py.
+extern const TickSource kTickSource{1'000'000'000, 1, 8};
+uint32_t ticks() {
+    return kWatchdogTimer.ns();
+}
+
 uint32_t timer_us() {
     return kClock.us();
 }
@@ -183,6 +195,13 @@ void prepare() {
 void start() {
     kStepTimer.start();
     kWatchdogTimer.start();
+    serial.start();
+    link_transport = &kLink;
+}
+
+void usart1_interrupt();
+void usart1_interrupt() {
+    serial.receive();
 }
 
 // The lines are pended by software, so that there is nothing to acknowledge.

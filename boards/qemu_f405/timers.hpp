@@ -41,6 +41,8 @@ class PeriodicTimer {
         nvic::set_enable(vector_ / 32U).write(1U << vector_ % 32U);
     }
     void acknowledge() const { Register(base_ + kStatus).write(0); }
+    // Nanoseconds, which in this emulator do not start anew with a period.
+    uint32_t ns() const { return Register(base_ + kCount).read(); }
 
   private:
     static constexpr uint32_t kCounterEnable = 1U << 0;
@@ -48,6 +50,7 @@ class PeriodicTimer {
     static constexpr uint32_t kControl = 0x00;
     static constexpr uint32_t kInterrupts = 0x0C;
     static constexpr uint32_t kStatus = 0x10;
+    static constexpr uint32_t kCount = 0x24;
     static constexpr uint32_t kReload = 0x2C;
     uint32_t base_;
     uint8_t vector_;

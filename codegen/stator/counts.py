@@ -11,6 +11,7 @@ from stator.image_checks import sections_of
 from stator.library import HOME
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
 GRAPH = HOME / "tests" / "emulation" / "graphs" / "counts.yaml"
@@ -30,10 +31,10 @@ READERS_OWN = 2  # of those: the load of a field and a sum
 MOST_MASKED = 30
 
 
-def counts() -> list[tuple[str, int, int, int | None]]:
+def counts(variant: Mapping[str, str] = PLAIN) -> list[tuple[str, int, int, int | None]]:
     """What, least, most, bound. Raises `NoEmulator` where there is none."""
     emulator = find_emulator()
-    image = build(GRAPH, None, PLAIN, executor="cortex_m")
+    image = build(GRAPH, None, variant, executor="cortex_m")
     command = qemu_command(emulator, image, shift=0)
     finished = subprocess.run(command, capture_output=True, text=True, check=True, timeout=LIMIT_S)
     rows = [tuple(int(word, 16) for word in line.split()) for line in _lines(finished)]

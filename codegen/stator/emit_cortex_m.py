@@ -47,6 +47,8 @@ def program(plan: Plan) -> Row:
         "task_count": len(plan.tasks),
         "clock_hz": chip.clock_hz,
         "watched": watched(plan),
+        "topics": list(plan.topics),
+        "board": plan.board.name,
         "graph": plan.graph.name,
         "graph_hash": graph_hash(plan),
     }

@@ -47,6 +47,7 @@ def task(plan: Plan, planned: Task) -> Row:
         "ports": f"{interface.class_name}Ports",
         "pend": pend(plan, planned),
         "index": planned.index,
+        "is_timed": plan.is_timed(node.name),
         "level": planned.level,
         "level_begin": planned.level_begin,
         "entry": _entry(entry[0]) if entry else None,

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stator.build import SLEEP, build_plant
-from stator.cli import make_plan
+from stator.cli import make_plan, path
 from stator.diagnostics import UserError
 from stator.fault_record import in_words
 from stator.firmware import build_image
@@ -24,10 +24,12 @@ from stator.flight_arguments import (
     is_windy,
     rates_of,
     recording_of,
+    speed_of,
 )
 from stator.flight_facts import default_log, facts_of, keep
 from stator.flight_report import report
 from stator.library import HOME
+from stator.link import DEFAULT as LINK
 from stator.progress import progress
 
 # boards/qemu_f405/link.hpp
@@ -38,6 +40,7 @@ LOG = "flight.ulg"
 MACHINE = "olimex-stm32-h405"
 # 8 ns an instruction, whatever it is: no claim about the chip's timing. docs/emulation.md
 SHIFT = 3
+MOST_SOCKET_PATH = 100  # bytes; the system takes 107
 END_S = 10.0  # how long the one side may take to see that the other one has ended
 
 
@@ -58,6 +61,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="sleep when idle, as on hardware; two flights may then differ (docs/emulation.md)",
     )
+    parser.add_argument(
+        "--link",
+        nargs="?",
+        type=path,
+        const=LINK,
+        metavar="PATH",
+        help="offer the firmware's serial port as a socket, to ./stator top, listener and perf; "
+        "two flights may then differ",
+    )
+    parser.add_argument(
+        "--speed",
+        type=speed_of,
+        metavar="FACTOR",
+        help="at most so many times real time; 1 is real time (default: as fast as it goes)",
+    )
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -69,13 +87,16 @@ def main(arguments: argparse.Namespace) -> int:
         variant = (SLEEP if arguments.sleep else {}) | recording_of(arguments)
         image = build_image(arguments.graph, arguments.board, variant)
         plant = build_plant()
+        link = None if arguments.link is None else link_socket(arguments.link)
     except UserError as failed:
         print(failed, file=sys.stderr)
         return 2
     options = ["--truth", str(truth.resolve()), *flight_options(arguments)]
+    if arguments.speed is not None:
+        options += ["--speed", f"{arguments.speed:.6f}"]
     name = f"emulating {arguments.graph.stem}, seed {arguments.seed}"
     with progress(name, truth, arguments.duration):
-        finished = fly(emulator, image, [str(plant), *options], log)
+        finished = fly(emulator, image, [str(plant), *options], log, link=link)
         if finished.returncode != 0:
             plan = make_plan(str(arguments.graph), arguments.board)
             print(in_words(finished.stderr, plan, image).rstrip(), file=sys.stderr)
@@ -126,8 +147,26 @@ def _output(*command: str) -> str:
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def qemu_command(emulator: Emulator, image: Path, shift: int = SHIFT, told: str = "") -> list[str]:
-    """`shift`: an instruction takes 2^shift nanoseconds. `told`: words for the firmware."""
+def link_socket(link: Path) -> Path:
+    """Where QEMU makes its socket. Raises `UserError` where it cannot."""
+    socket = link.resolve()
+    if len(str(socket)) > MOST_SOCKET_PATH or "," in str(socket):
+        raise UserError(
+            f"error: '{socket}' is too long for a socket, or has a comma\n"
+            "hint: name a shorter one: --link /tmp/link"
+        )
+    if socket.exists() and not socket.is_socket():
+        raise UserError(f"error: '{socket}' exists, and is no socket\nhint: name another one")
+    socket.parent.mkdir(parents=True, exist_ok=True)
+    return socket
+
+
+def qemu_command(
+    emulator: Emulator, image: Path, shift: int = SHIFT, told: str = "", link: Path | None = None
+) -> list[str]:
+    """`shift`: an instruction takes 2^shift nanoseconds. `told`: words for the firmware. `link`: a
+    socket that is its serial port."""
+    serial = "none" if link is None else f"unix:{link},server=on,wait=off"
     argument = f",arg={told}" if told else ""
     return [
         *(
@@ -139,7 +178,7 @@ def qemu_command(emulator: Emulator, image: Path, shift: int = SHIFT, told: str 
             "-icount",
             f"shift={shift},align=off,sleep=off",
         ),
-        *("-display", "none", "-monitor", "none", "-serial", "none", "-nic", "none"),
+        *("-display", "none", "-monitor", "none", "-serial", serial, "-nic", "none"),
         *("-semihosting-config", f"enable=on,target=native{argument}"),
     ]
 
@@ -151,6 +190,7 @@ def fly(
     log: Path,
     shift: int = SHIFT,
     told: str = "",
+    link: Path | None = None,
 ) -> subprocess.CompletedProcess[str]:
     """Runs both sides to their end. The result is the plant's, with the complaints of both; of a
     flight that went well, what the firmware printed."""
@@ -162,7 +202,7 @@ def fly(
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         world = subprocess.Popen(plant, cwd=folder, **pipes)  # type: ignore[call-overload]
         machine = subprocess.Popen(
-            qemu_command(emulator, image.resolve(), shift, told),
+            qemu_command(emulator, image.resolve(), shift, told, link),
             cwd=folder,
             **pipes,  # type: ignore[call-overload]
         )
@@ -174,6 +214,8 @@ def fly(
             for process in (world, machine):
                 process.kill()
                 process.wait()
+            if link is not None:
+                link.unlink(missing_ok=True)
         if (folder / LOG).is_file():
             log.parent.mkdir(parents=True, exist_ok=True)
             shutil.move(folder / LOG, log)

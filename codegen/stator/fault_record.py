@@ -51,7 +51,6 @@ NULL_PAGE_END = 0x08000000
 CODE_END = BELOW_STACK = 0x0C000000
 STACK_BEGIN = 0x10000000
 MEMORY_ADDRESS_VALID, BUS_ADDRESS_VALID = 1 << 7, 1 << 15
-TIME_BITS = 24  # of an entry in the list of activations
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ class FaultRecord:
     silent_task: int | None
     resets: int
     uptime_us: int
-    activations: tuple[tuple[int, int], ...]  # time in us modulo 2^24, task; the newest first
+    activations: tuple[tuple[int, int], ...]  # time in ticks modulo 2^24, task; the newest first
     what: str
     graph_hash: str
     build_id: str
@@ -192,12 +191,7 @@ def _exception(record: FaultRecord) -> str:
 
 
 def _activations(record: FaultRecord, plan: Plan) -> str:
-    newest_us = record.activations[0][0]
-    names = [
-        f"{plan.tasks[task].node.name} -{(newest_us - time_us) % 2**TIME_BITS} us"
-        for time_us, task in record.activations
-        if task < len(plan.tasks)
-    ]
+    names = [plan.tasks[task].node.name for _, task in record.activations if task < len(plan.tasks)]
     return ", ".join(names)
 
 

@@ -122,6 +122,9 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         counts = f"{facts['activations']:,} activations, {facts['lost_samples']} samples lost"
         rows.append(("run", f"{speed}; {counts}"))
     rows.append(log_row(facts))
+    if facts["missed_life_signs"]:
+        missed = f"{facts['missed_life_signs']} life signs missed; the log says whose"
+        rows.append(("silent", missed))
     if facts["unrecorded_activations"]:
         lost = f"{facts['unrecorded_activations']:,} activations found no room"
         rows.append(("recording", f"it has a gap: {lost}"))

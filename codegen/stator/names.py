@@ -31,7 +31,8 @@ _TYPES = frozenset(
     Timer TimerState Line LineState Task TaskCounters Program RandomTimes Random LogTable LogTopic
     Params Ports Fired Device SharedTime Interrupt Register Level LevelFacts Lock Mutex
     Ending PendingWord Refusal RingEntry Settings SlotState Activation ActivationRing FaultRecord
-    KeptRecord LogEvent LogEvents ModeGate WatchState Watched""".split()
+    FrameReader KeptRecord Link LogEvent LogEvents ModeGate TickSource Transport WatchState
+    Watched""".split()
 )
 
 

@@ -53,6 +53,11 @@ class Plan:
     def task(self, name: str) -> Task:
         return self._by_name[name]
 
+    def is_timed(self, name: str) -> bool:
+        """Whether a deadline of the graph, or of a chain, is about when this node ends."""
+        ends = {chain.path[-1] for chain in self.graph.chains}
+        return name in ends or self.graph.nodes[name].deadline_us is not None
+
     @cached_property
     def levels(self) -> list[int]:
         """Those that have tasks, most urgent first."""

@@ -11,6 +11,7 @@ void monitor() {
     if (is_safe_mode() || all_show_life(program.watched, program.watched_count, clock_us())) {
         board::kick_watchdog();
     }
+    serve_link();
 }
 
 }  // namespace stator

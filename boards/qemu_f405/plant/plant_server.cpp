@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <thread>
 
 #include "flight_facts.hpp"
 #include "link.hpp"
@@ -40,6 +41,7 @@ class Server {
         : world_(options.conditions),
           files_(files),
           duration_us_(options.duration_us),
+          speed_(options.speed),
           truth_is_whole_(files.truth == nullptr || board::write_truth_head(files.truth)) {}
 
     // Serves until the firmware has finished. False if it went away before.
@@ -66,7 +68,16 @@ class Server {
     bool truth_is_whole() const { return truth_is_whole_; }
 
   private:
+    // The emulated clock stands still while the firmware waits for its answer.
+    void keep_pace(uint64_t time_us) const {
+        if (speed_ <= 0.0) return;
+        const std::chrono::duration<double> due(static_cast<double>(time_us) * 1e-6 / speed_);
+        std::this_thread::sleep_until(
+            begin_ + std::chrono::duration_cast<std::chrono::steady_clock::duration>(due));
+    }
+
     bool step(uint64_t time_us) {
+        keep_pace(time_us);
         link::FromPlant answer{};
         while (world_.next_event_us() <= time_us && world_.next_event_us() <= duration_us_) {
             add(world_.move_to_next_event(), answer);
@@ -143,6 +154,8 @@ class Server {
     board::World world_;
     Files files_;
     uint64_t duration_us_;
+    double speed_;
+    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     link::ToPlant finished_{};
     bool truth_is_whole_;
 };

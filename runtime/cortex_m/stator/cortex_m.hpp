@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "stator/link.hpp"
 #include "stator/record.hpp"
 #include "stator/task.hpp"
 #include "stator/watch.hpp"
@@ -33,7 +34,10 @@ struct Program {
     unsigned interrupt_count;
     const Watched* watched;
     unsigned watched_count;
+    const Topic* const* topics;
+    unsigned topic_count;
     uint32_t core_clock_hz;
+    const char* board;       // name
     const char* graph;       // name
     const char* graph_hash;  // of what behaves, in hexadecimal
     void (*start)();         // publishes the parameters
@@ -56,6 +60,18 @@ void guard_memory();
 // Looks for life signs, and kicks the watchdog if there are all. Context: thread mode, below every
 // task.
 void monitor();
+// Answers what came on the link. Context: the monitor.
+void serve_link();
+
+// Set by a board that has a link, in `prepare`.
+extern const Transport* link_transport;
+
+// What `board::ticks` counts.
+struct TickSource {
+    uint32_t hz;
+    uint8_t unit;      // 0: cycles of the core; 1: instructions of an emulator
+    uint8_t per_unit;  // ticks in one of these
+};
 
 // Microseconds since boot, from the board's 32-bit timer. Any context; constant time; needs to be
 // called from anywhere at least every 2^31 us, which SysTick sees to.
@@ -78,6 +94,9 @@ namespace board {
 void prepare();  // before the graph: clocks, the 32-bit timer, devices
 void start();    // after all vectors are enabled: lines may be raised from here on
 uint32_t timer_us();
+// For how long a task runs; modulo 2^32. Inlined where the image is optimised at once.
+uint32_t ticks();
+extern const TickSource kTickSource;
 // Puts the motors into their defined state. Any context, also that of a fault, and before
 // `prepare`: short, bounded, without the graph.
 void make_safe();

@@ -28,7 +28,8 @@ struct FaultRecord {
     uint64_t uptime_us = 0;
     uint64_t window_us = 0;  // from the first of `resets` to this one
     uint32_t activation_count = 0;
-    // The newest, where (count - 1) % 32 is the last: time in us modulo 2^24, and the task's index.
+    // The newest, where (count - 1) % 32 is the last: time in ticks modulo 2^24, and the task's
+    // index.
     std::array<uint32_t, 32> activations{};
     std::array<char, 48> what{};        // of an assertion
     std::array<char, 16> graph_hash{};  // its first digits, in hexadecimal

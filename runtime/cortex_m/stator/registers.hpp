@@ -72,6 +72,15 @@ inline constexpr Register kCoprocessors(0xE000ED88);
 inline constexpr uint32_t kFpuFullAccess = 0xFU << 20;
 }  // namespace scb
 
+// C1.8: the counter of the core's cycles.
+namespace cycles {
+inline constexpr Register kDebugControl(0xE000EDFC);  // DEMCR
+inline constexpr uint32_t kTrace = 1U << 24;
+inline constexpr Register kControl(0xE0001000);
+inline constexpr uint32_t kEnable = 1U << 0;
+inline constexpr Register kCount(0xE0001004);
+}  // namespace cycles
+
 // B3.5: memory protection unit.
 namespace mpu {
 inline constexpr Register kControl(0xE000ED94);

@@ -3,10 +3,14 @@
 
 #include <cstdint>
 
+#include "stator/task.hpp"
+
 namespace stator {
 
 struct Activation {
-    explicit Activation(uint32_t) {}
+    Activation(uint32_t, TaskCounters&) {}
+    void finish() {}
+    void finish(uint64_t) {}
 };
 
 // The monitor reads it from another thread.

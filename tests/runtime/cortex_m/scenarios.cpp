@@ -179,7 +179,10 @@ constinit const Program program{.tasks = nullptr,
                                 .interrupt_count = 4,
                                 .watched = nullptr,
                                 .watched_count = 0,
+                                .topics = nullptr,
+                                .topic_count = 0,
                                 .core_clock_hz = 168'000'000,
+                                .board = "",
                                 .graph = "scenarios",
                                 .graph_hash = "0123456789abcdef",
                                 .start = [] {}};
@@ -202,6 +205,10 @@ void prepare() {
 }
 void start() {
     SCENARIO();
+}
+extern const TickSource kTickSource{1'000'000, 0, 1};
+uint32_t ticks() {
+    return Clock().us();
 }
 void make_safe() {
     if (is_unsafe) Register(0x60000000).read();

@@ -15,7 +15,7 @@ Adder node;
 }  // namespace
 
 void run() {
-    const Activation activation(1);
+    Activation activation(1, state.counters);
     AdderPorts ports;
     bool is_due = false;
     ports.count.take_latest(topics::count, state.count_number, 0, kNoAgeLimit, false);
@@ -27,6 +27,7 @@ void run() {
     ports.now = state.now_us;
     node.step(ports);
     count_activation(state.counters.activations);
+    activation.finish();
     state.counters.lost_samples += ports.count.lost();
 }
 

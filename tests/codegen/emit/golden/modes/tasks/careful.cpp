@@ -26,7 +26,7 @@ void run() {
     const uint32_t epoch = state.gate.epoch.load();
     if (epoch % 2 == 0) return;  // not in this mode
     if (epoch != state.gate.seen) begin_anew(epoch);
-    const Activation activation(2);
+    Activation activation(2, state.counters);
     CounterPorts ports;
     bool is_due = false;
     if (served_now(state.every_0, 10000)) {
@@ -39,6 +39,7 @@ void run() {
     ports.count.connect(topics::count, ports.now, true);
     node.step(ports);
     count_activation(state.counters.activations);
+    activation.finish();
 }
 
 void disable() {

@@ -15,7 +15,7 @@ ModeSwitch node;
 }  // namespace
 
 void run() {
-    const Activation activation(3);
+    Activation activation(3, state.counters);
     ModeSwitchPorts ports;
     bool is_due = false;
     if (served_now(state.every_0, 100000)) {
@@ -27,6 +27,7 @@ void run() {
     ports.mode.connect(topics::mode, ports.now, false);
     node.step(ports);
     count_activation(state.counters.activations);
+    activation.finish();
     modes::follow();
 }
 

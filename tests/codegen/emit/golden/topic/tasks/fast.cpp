@@ -15,7 +15,7 @@ Counter node;
 }  // namespace
 
 void run() {
-    const Activation activation(0);
+    Activation activation(0, state.counters);
     CounterPorts ports;
     bool is_due = false;
     if (served_now(state.every_0, 10000)) {
@@ -28,6 +28,7 @@ void run() {
     ports.count.connect(topics::fast_count, ports.now, false);
     node.step(ports);
     count_activation(state.counters.activations);
+    activation.finish();
 }
 
 }  // namespace stator::tasks::fast

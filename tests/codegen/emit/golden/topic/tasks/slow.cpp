@@ -15,7 +15,7 @@ Counter node;
 }  // namespace
 
 void run() {
-    const Activation activation(2);
+    Activation activation(2, state.counters);
     CounterPorts ports;
     bool is_due = false;
     if (served_now(state.every_0, 200000)) {
@@ -28,6 +28,7 @@ void run() {
     ports.count.connect(topics::slow_count, ports.now, true);
     node.step(ports);
     count_activation(state.counters.activations);
+    activation.finish();
 }
 
 }  // namespace stator::tasks::slow

@@ -1,0 +1,231 @@
+"""`./stator top`: what each task of running firmware does, refreshed; `./stator perf`: once, each
+figure beside its bound."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stator.fault_record import explain
+from stator.link import DEFAULT, Info, Link, TaskFigures, plan_of
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from stator.model import Chain
+    from stator.plan import Plan, Task
+
+WRAP = 2**32
+
+
+@dataclass(frozen=True)
+class Row:
+    """Figures of a task between two looks, and since its start. None: not measured, no bound."""
+
+    task: str
+    level: int
+    activations: int
+    per_s: float
+    load_pct: float
+    last_us: float
+    mean_us: float | None
+    max_us: float
+    budget_us: int | None
+    response_max_us: int | None
+    deadline_us: int | None
+    lost_samples: int
+    missed_life_signs: int
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_link_arguments(parser)
+    parser.add_argument(
+        "--interval",
+        type=_interval,
+        default=1.0,
+        metavar="S",
+        help="seconds between two looks (default: 1)",
+    )
+    parser.add_argument("--once", action="store_true", help="print one table and end")
+
+
+def add_link_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--link",
+        type=Path,
+        default=DEFAULT,
+        metavar="PATH",
+        help="the firmware's socket or serial port (default: the one of ./stator emulate --link)",
+    )
+    parser.add_argument(
+        "--graph", type=Path, metavar="FILE", help="the graph's file, if it is none of Stator's own"
+    )
+    parser.add_argument("--json", action="store_true", help="print what programs read")
+
+
+def _interval(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.05 <= value <= 20.0:
+        raise argparse.ArgumentTypeError(f"'{text}' is no number of seconds from 0.05 to 20")
+    return value
+
+
+def main(arguments: argparse.Namespace) -> int:
+    with Link(arguments.link) as link:
+        info = link.info()
+        plan = plan_of(info, arguments.graph)
+        if arguments.once or arguments.json or not sys.stdout.isatty():
+            _once(link, info, plan, arguments)
+        else:
+            _live(link, info, plan, arguments.interval)
+    return 0
+
+
+def _once(link: Link, info: Info, plan: Plan, arguments: argparse.Namespace) -> None:
+    time_us, rows = measure(link, info, plan, arguments.interval)
+    if arguments.json:
+        facts = {**facts_of(info, time_us), "tasks": [vars(row) for row in rows]}
+        print(json.dumps(facts, indent=2))
+        return
+    from rich.console import Console
+
+    console = Console(highlight=False)
+    console.print(_table(info, time_us, rows))
+    _tell_fault(link, info, plan)
+
+
+def _tell_fault(link: Link, info: Info, plan: Plan) -> None:
+    record = link.fault() if info.failed_before else None
+    if record is not None:
+        print("\n".join(explain(record, plan)).replace("error: the", "the run before:", 1))
+
+
+def _live(link: Link, info: Info, plan: Plan, interval_s: float) -> None:
+    from rich.live import Live
+
+    with Live(auto_refresh=False) as live:
+        while True:
+            time_us, rows = measure(link, info, plan, interval_s)
+            live.update(_table(info, time_us, rows), refresh=True)
+
+
+def facts_of(info: Info, time_us: int) -> dict[str, object]:
+    return {
+        "graph": info.graph,
+        "board": info.board,
+        "uptime_s": time_us * 1e-6,
+        "safe_mode": info.safe_mode,
+        "measured_in": info.unit,
+    }
+
+
+def measure(link: Link, info: Info, plan: Plan, interval_s: float) -> tuple[int, list[Row]]:
+    """Two looks, and what lies between them."""
+    begin_us, before = link.tasks(info.tasks)
+    time.sleep(interval_s)
+    end_us, after = link.tasks(info.tasks)
+    span_us = max(end_us - begin_us, 1)
+    ticks_per_us = info.ticks_per_s * 1e-6
+    return end_us, [
+        _row(task, a, b, span_us, ticks_per_us, is_timed=plan.is_timed(task.node.name))
+        for task, a, b in zip(plan.tasks, before, after, strict=True)
+    ]
+
+
+def _row(
+    task: Task,
+    before: TaskFigures,
+    after: TaskFigures,
+    span_us: int,
+    ticks_per_us: float,
+    *,
+    is_timed: bool,
+) -> Row:
+    count = (after.activations - before.activations) % WRAP
+    busy_us = (after.ticks - before.ticks) % WRAP / ticks_per_us
+    return Row(
+        task=task.node.name,
+        level=task.level,
+        activations=after.activations,
+        per_s=count * 1e6 / span_us,
+        load_pct=100.0 * busy_us / span_us,
+        last_us=after.last_ticks / ticks_per_us,
+        mean_us=busy_us / count if count else None,
+        max_us=after.most_ticks / ticks_per_us,
+        budget_us=task.node.budget_us,
+        response_max_us=after.latest_us if is_timed else None,
+        deadline_us=task.node.deadline_us,
+        lost_samples=after.lost,
+        missed_life_signs=after.missed_life_signs,
+    )
+
+
+def _table(info: Info, time_us: int, rows: list[Row]) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    load = sum(row.load_pct for row in rows)
+    state = ", SAFE MODE: no task runs" if info.safe_mode else ""
+    kind = "emulated us" if info.unit == "instructions" else "us"
+    table = Table(
+        title=f"{info.graph} on {info.board}, up {time_us * 1e-6:.1f} s, load {load:.1f} %{state}",
+        caption=f"execution times in {kind}, counted as {info.unit}",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+    )
+    table.add_column("lev", justify="right")
+    table.add_column("task", overflow="fold")
+    for name in ("/s", "load%", "last", "mean", "max", "resp", "lost", "silent"):
+        table.add_column(name, justify="right")
+    for row in rows:
+        table.add_row(
+            str(row.level),
+            row.task,
+            f"{row.per_s:.0f}",
+            f"{row.load_pct:.1f}",
+            f"{row.last_us:.1f}",
+            number(row.mean_us),
+            against(row.max_us, row.budget_us),
+            against(row.response_max_us, row.deadline_us, digits=0),
+            _count(row.lost_samples),
+            _count(row.missed_life_signs),
+        )
+    return table
+
+
+def number(value: float | None, digits: int = 1) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def against(value: float | None, bound: float | None, digits: int = 1) -> str:
+    """A figure, coloured if it is over its bound."""
+    text = number(value, digits)
+    is_over = value is not None and bound is not None and value > bound
+    return f"[bold red]{text}[/]" if is_over else text
+
+
+def _count(value: int) -> str:
+    return "-" if value == 0 else f"[yellow]{value}[/]"
+
+
+# --- chains, for perf ---
+
+
+def chain_latency_us(chain: Chain, plan: Plan, rows: list[Row]) -> int | None:
+    """Longest time from what woke the first node to the end of the last one; None where the chain's
+    links are no triggers, so that `now` does not travel along it."""
+    nodes = plan.graph.nodes
+    for first, second in zip(chain.path, chain.path[1:], strict=False):
+        sent = {output.topic for output in nodes[first].outputs.values()}
+        woken = {t.name for t in nodes[second].triggers if t.kind == "topic" and not t.is_thinned}
+        if len(nodes[second].triggers) != 1 or not sent & woken:
+            return None
+    return next(row.response_max_us for row in rows if row.task == chain.path[-1])

@@ -1,0 +1,50 @@
+// The vehicle's side of the link: bytes in, bytes out, an answer to each request. docs/link.md.
+#pragma once
+
+#include "stator/frame.hpp"
+
+namespace stator {
+
+// How bytes travel; neither function waits.
+struct Transport {
+    size_t (*read)(uint8_t* bytes, size_t most);          // how many came
+    size_t (*write)(const uint8_t* bytes, size_t count);  // how many went
+};
+
+// Serves one request after the other. `answer` gets a request and writes the answer's body, of at
+// most `kMostAnswer` bytes; 0: there is none. Context: one, less urgent than all tasks.
+class Link {
+  public:
+    static constexpr size_t kMostRequest = 16;
+    static constexpr size_t kMostAnswer = 1040;
+    using Answer = size_t (*)(const uint8_t* request, size_t count, uint8_t* body);
+
+    explicit constexpr Link(Answer answer) : answer_(answer) {}
+
+    void serve(const Transport& transport) {
+        send(transport);
+        uint8_t byte = 0;
+        while (sent_ == size_ && transport.read(&byte, 1) == 1) {
+            if (!reader_.take(byte)) continue;
+            const size_t count = answer_(reader_.body(), reader_.count(), body_.data());
+            if (count == 0) continue;
+            size_ = write_frame(body_.data(), count, frame_.data());
+            sent_ = 0;
+            send(transport);
+        }
+    }
+
+  private:
+    void send(const Transport& transport) {
+        if (sent_ != size_) sent_ += transport.write(frame_.data() + sent_, size_ - sent_);
+    }
+
+    Answer answer_;
+    FrameReader<kMostRequest> reader_{};
+    std::array<uint8_t, kMostAnswer + kCrcBytes> body_{};
+    std::array<uint8_t, frame_bytes(kMostAnswer)> frame_{};
+    size_t size_ = 0;  // of the frame, and how much of it is sent
+    size_t sent_ = 0;
+};
+
+}  // namespace stator
