@@ -124,9 +124,12 @@ class Input {
         if (!kTakesNeedSeen && __builtin_constant_p(is_asked_) && !is_asked_) return;
         if (seen_ != nullptr && sample_ != nullptr) *seen_ = number();
     }
-    void hold() {
+    [[gnu::always_inline]] void hold() {
         sample_ = static_cast<const Message*>(topic_->samples) + pin_.slot;
-        if constexpr (kRecords) tap_.takes(number_of(*topic_, pin_));
+        if constexpr (kRecords) {
+            const uint32_t number = number_of(*topic_, pin_);
+            cursor_ != nullptr ? tap_.takes(number) : tap_.notes(number);
+        }
     }
     void drop() {
         // On one core the newest is let go without a test whether there was one.
@@ -175,9 +178,14 @@ class Output {
         asm("" : "+r"(slot));  // one register reaches all fields: computed once
         Message* message = new (slot) Message(make());
         message->timestamp = now_us_;
-        tap_.publishes(message, sizeof(Message));
-        tap_.published(commit(*topic_, loaned));
+        // On one core nobody but this publisher's level can reuse the slot, if no other level
+        // publishes: then those whom it wakes do not wait for the record.
+        const bool is_kept = !kTakesNeedSeen && topic_->ceiling == 0;
+        if (!is_kept) tap_.publishes(message, sizeof(Message));
+        const uint32_t number = commit(*topic_, loaned);
         activate(*topic_, now_us_);
+        if (is_kept) tap_.publishes(message, sizeof(Message));
+        tap_.published(number);
     }
 
     // --- for generated wrappers ---

@@ -28,18 +28,15 @@ class RecordStream {
 
     // --- for the wrapper of a task: one record, from `begin` to `end` ---
 
-    // A record that is begun and not ended leaves no trace.
+    // A record that is begun and not ended leaves no trace. Stands before `step`, so it asks
+    // nothing: `has_room` has left room for it.
     void begin(uint32_t task) {
         position_ = written_.load(std::memory_order_relaxed);
-        end_ = taken_.load(std::memory_order_acquire) + size_;
-        is_full_ = lost_.load(std::memory_order_relaxed) != 0;
-        number(task);
+        put_number(task);
     }
     // Seven bits a byte, the lowest first; the top bit says that more follow.
-    void number(uint64_t value) {
-        if (!has_room(kMostNumberBytes)) return;
-        for (; value > 0x7F; value >>= 7) put(static_cast<uint8_t>(value | 0x80U));
-        put(static_cast<uint8_t>(value));
+    [[gnu::noinline]] void number(uint64_t value) {
+        if (has_room(kMostNumberBytes)) put_number(value);
     }
     void data(const void* from, uint32_t count) {
         if (!has_room(count)) return;
@@ -69,10 +66,12 @@ class RecordStream {
     // Around `step`: who is in its node, and how often somebody came in between.
     void enter() {
         outer_ = inside.load(std::memory_order_relaxed);
-        preemptions_ += outer_ != nullptr ? 1U : 0U;
         inside.store(this, std::memory_order_relaxed);
     }
-    void leave() { inside.store(outer_, std::memory_order_relaxed); }
+    void leave() {
+        preemptions_ += outer_ != nullptr ? 1U : 0U;
+        inside.store(outer_, std::memory_order_relaxed);
+    }
 
     // --- for the logger ---
 
@@ -93,11 +92,18 @@ class RecordStream {
 
   private:
     static constexpr uint32_t kMostNumberBytes = 10;
+    static constexpr uint32_t kMostTaskBytes = 5;  // of the number that begins a record
 
-    // Asks for a little more than may be needed; a record that it refuses is lost whole.
+    // Asks for a little more than may be needed, and keeps room for the next record's beginning.
+    // A record that it refuses is lost whole, and so are all after it.
     bool has_room(uint32_t count) {
-        is_full_ = is_full_ || end_ - position_ < count;
+        const uint32_t used = position_ - taken_.load(std::memory_order_acquire);
+        is_full_ = is_full_ || size_ - used < count + kMostTaskBytes;
         return !is_full_;
+    }
+    void put_number(uint64_t value) {
+        for (; value > 0x7F; value >>= 7) put(static_cast<uint8_t>(value | 0x80U));
+        put(static_cast<uint8_t>(value));
     }
     void put(uint8_t byte) { bytes_[position_++ & (size_ - 1)] = byte; }
 
@@ -114,10 +120,8 @@ class RecordStream {
     std::atomic<uint32_t> written_{0};  // both count bytes modulo 2^32
     std::atomic<uint32_t> taken_{0};
     std::atomic<uint32_t> lost_{0};
-    // Of the record that is being written.
-    uint32_t position_ = 0;
-    uint32_t end_ = 0;
-    RecordStream* outer_ = nullptr;
+    uint32_t position_ = 0;          // of the record that is being written
+    RecordStream* outer_ = nullptr;  // of the job that is in its node
     uint32_t preemptions_ = 0;
     bool is_full_ = false;
 };
@@ -165,7 +169,19 @@ inline RecordingCounts recording_counts() {
     return counts;
 }
 
-// A port's connection to the stream of its activation.
+// What `Tap::publishes` does.
+[[gnu::noinline]] inline void record_sample(RecordStream& stream, const RecordedOutput& output,
+                                            void* message, uint32_t bytes) {
+    stream.number(output.tag);
+    if (output.how == RecordedOutput::How::kStamp) return;
+    canonicalise(static_cast<std::byte*>(message), output.floats, output.float_count);
+    if (output.how == RecordedOutput::How::kWhole) return stream.data(message, bytes);
+    const uint32_t crc = crc32(0, message, bytes);
+    stream.data(&crc, sizeof crc);
+}
+
+// A port's connection to the stream of its activation. Its functions hand on numbers and are
+// inlined: so the optimiser can still take the ports of an activation apart.
 class Tap {
   public:
     // `number`: of the newest sample that this port has recorded; for the tap to bring up to date.
@@ -180,23 +196,26 @@ class Tap {
     }
 
     // An input: a sample was taken, whether or not the node comes to see it.
-    void takes(uint32_t number) {
+    [[gnu::always_inline]] void takes(uint32_t number) {
         if (stream_ == nullptr) return;
         stream_->number(tag_);
         published(number);
     }
-    // An output: before the commit, when the sample is complete and nobody else touches it ...
-    void publishes(void* message, uint32_t bytes) {
-        if (stream_ == nullptr) return;
-        stream_->number(tag_);
-        if (output_->how == RecordedOutput::How::kStamp) return;
-        canonicalise(static_cast<std::byte*>(message), output_->floats, output_->float_count);
-        if (output_->how == RecordedOutput::How::kWhole) return stream_->data(message, bytes);
-        const uint32_t crc = crc32(0, message, bytes);
-        stream_->data(&crc, sizeof crc);
+    // The same of an input that takes one sample before `step`; recorded behind it, so that it
+    // does not wait.
+    [[gnu::always_inline]] void notes(uint32_t number) {
+        noted_ = number;
+        has_noted_ = true;
     }
-    // ... and behind it, when its number is known.
-    void published(uint32_t number) {
+    [[gnu::always_inline]] void record_noted() {
+        if (has_noted_) takes(noted_);
+    }
+    // An output: while the sample is complete and nobody else touches it ...
+    [[gnu::always_inline]] void publishes(void* message, uint32_t bytes) {
+        if (stream_ != nullptr) record_sample(*stream_, *output_, message, bytes);
+    }
+    // ... and then its number.
+    [[gnu::always_inline]] void published(uint32_t number) {
         if (stream_ == nullptr) return;
         stream_->number(number - *number_);
         *number_ = number;
@@ -206,7 +225,9 @@ class Tap {
     RecordStream* stream_ = nullptr;
     const RecordedOutput* output_ = nullptr;
     uint32_t* number_ = nullptr;
+    uint32_t noted_ = 0;
     uint8_t tag_ = 0;
+    bool has_noted_ = false;
 };
 
 #else
@@ -219,6 +240,7 @@ inline RecordingCounts recording_counts() {
 class Tap {
   public:
     void takes(uint32_t) {}
+    void notes(uint32_t) {}
     void publishes(void*, uint32_t) {}
     void published(uint32_t) {}
 };

@@ -10,7 +10,7 @@ import pytest
 from tests.emulation.firmware_tools import needs_toolchain
 
 from stator.build import build
-from stator.counts import GRAPH
+from stator.counts import GRAPHS
 from stator.firmware import sizes_of, total_of
 from stator.image_checks import faults_of, sections_of
 from stator.library import HOME
@@ -128,7 +128,7 @@ def test_the_quad_masks_nothing() -> None:
 def test_a_task_and_its_topic_take_few_bytes() -> None:
     """Beyond its samples: of a node with one trigger, and of a topic of depth 1."""
     needs_toolchain()
-    image = build(GRAPH, None, executor="cortex_m")
+    image = build(GRAPHS / "counts.yaml", None, executor="cortex_m")
     lines = subprocess.run(
         ["arm-none-eabi-nm", "-S", "-C", image], check=True, capture_output=True, text=True
     ).stdout.splitlines()

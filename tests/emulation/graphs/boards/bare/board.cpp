@@ -9,6 +9,7 @@
 namespace stator::board {
 
 ProbeCounted::Device probe0;
+StorageSim::Device log_storage;
 
 uint32_t timer_us() {
     return Clock().us();
