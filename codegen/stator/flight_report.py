@@ -108,6 +108,8 @@ def log_row(facts: dict[str, object]) -> tuple[str, str]:
     if facts["storage_bytes_per_s"] is None:
         return "log", f"{size}: {rate}"
     takes = f"{facts['storage_board']} stores {_kilobytes(facts['storage_bytes_per_s'])}"
+    if facts["recording_bytes_per_s"] > facts["storage_bytes_per_s"]:  # type: ignore[operator]
+        takes += ": TOO MUCH for it"
     return "log", f"{size}: {rate}; {takes}"
 
 

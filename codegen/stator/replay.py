@@ -196,8 +196,10 @@ def report(facts: Facts) -> None:
 
     console = Console(highlight=False, soft_wrap=True, markup=False)
     console.print(f"{facts['graph']} of {facts['board']}, replayed: ", end="")
+    differs = facts["first_difference"] is not None or not facts["topics"]
     style = "bold green" if facts["equal"] else "bold red"
-    console.print("equal" if facts["equal"] else "NOT EQUAL", style=style)
+    verdict = "NOT EQUAL" if differs else "equal" if facts["equal"] else "EQUAL BUT NOT WHOLE"
+    console.print(verdict, style=style)
     for label, text in _rows(facts):
         console.print(f"  {label:<10}{text}")
 

@@ -178,9 +178,8 @@ class Output {
         asm("" : "+r"(slot));  // one register reaches all fields: computed once
         Message* message = new (slot) Message(make());
         message->timestamp = now_us_;
-        // On one core nobody but this publisher's level can reuse the slot, if no other level
-        // publishes: then those whom it wakes do not wait for the record.
-        const bool is_kept = !kTakesNeedSeen && topic_->ceiling == 0;
+        // Those whom it wakes do not wait for the record, if the sample lasts.
+        const bool is_kept = is_kept_for_publisher(*topic_);
         if (!is_kept) tap_.publishes(message, sizeof(Message));
         const uint32_t number = commit(*topic_, loaned);
         activate(*topic_, now_us_);

@@ -129,6 +129,12 @@ inline uint32_t number_of(const Topic& topic, const Pin& pin) {
 // On one core, no take is older than the one before, so that nobody tells what was seen.
 inline constexpr bool kTakesNeedSeen = false;
 
+// Whether a sample stays as it is until its publisher publishes again: so it is where no other
+// level publishes. Then it can be recorded behind the commit.
+inline bool is_kept_for_publisher(const Topic& topic) {
+    return topic.ceiling == 0;
+}
+
 // Takes the newest sample. False if there is none yet: then nothing is held, and what was saved may
 // be put back all the same.
 // Constant time; any context above hardware priority 0.

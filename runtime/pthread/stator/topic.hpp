@@ -119,6 +119,11 @@ struct Topic {
 // core; here every reader counts, and every sample of the ring is kept.
 inline constexpr bool kTakesNeedSeen = true;
 
+// Readers of other threads have the sample at once, and who publishes next may reuse its slot.
+inline bool is_kept_for_publisher(const Topic&) {
+    return false;
+}
+
 inline uint32_t number_of(const Topic&, const Pin& pin) {
     return pin.number;
 }
