@@ -35,9 +35,19 @@ class DmaStream {
     [[nodiscard]] bool receive(uint32_t data_register, uint8_t* bytes, size_t count) const {
         return start(data_register, bytes, count, kCircular);
     }
-    // Items still to come in this round.
-    size_t left() const { return at(0x04).read(); }
-    bool is_busy() const { return (at(0x00).read() & kEnable) != 0; }
+    // Items still to come in this round. The buffer is plain memory, which a volatile access does
+    // not order: the barrier makes what is read after this call what has come in by now.
+    size_t left() const {
+        const size_t items = at(0x04).read();
+        barrier();
+        return items;
+    }
+    // What is written after this call is not written before the last transfer's end.
+    bool is_busy() const {
+        const bool busy = (at(0x00).read() & kEnable) != 0;
+        barrier();
+        return busy;
+    }
 
   private:
     static constexpr uint32_t kEnable = 1U << 0;
@@ -62,6 +72,7 @@ class DmaStream {
         at(0x0C).write(static_cast<uint32_t>(reinterpret_cast<uintptr_t>(bytes)));  // DMA_SxM0AR
         at(0x04).write(static_cast<uint32_t>(count));                               // DMA_SxNDTR
         control.write(channel_ << 25 | kIncrement | direction);
+        barrier();  // the bytes are in memory before the stream fetches them
         control.set(kEnable);
         return true;
     }

@@ -275,6 +275,36 @@ TEST(Usart, sends_what_fits_and_nothing_while_it_is_busy) {
     EXPECT_EQ(link.write(std::array<uint8_t, 1>{7}), 1U);
 }
 
+// What compiler and memory hold back comes through at a barrier, no sooner.
+TEST(Usart, what_is_sent_is_in_memory_before_the_stream_starts) {
+    RegisterModel model;
+    uint8_t in_memory = 0;
+    uint8_t sent = 0;
+    model.on_barrier = [&] { in_memory = Sent::bytes[0]; };
+    model.on_write[kSendStream] = [&](uint32_t value) {
+        if ((value & 1U) != 0) sent = in_memory;
+    };
+    EXPECT_EQ(usart().write(std::array<uint8_t, 1>{77}), 1U);
+    EXPECT_EQ(sent, 77);
+}
+
+TEST(Usart, reads_its_ring_after_it_knows_how_far_it_is_filled) {
+    RegisterModel model;
+    auto link = usart();
+    Received::bytes[0] = 0;
+    bool asked = false;
+    model.on_read[kReceiveStream + 0x04] = [&] {
+        asked = true;
+        return 8U - 1U;
+    };
+    model.on_barrier = [&] {
+        if (asked) Received::bytes[0] = 78;
+    };
+    std::array<uint8_t, 8> got{};
+    EXPECT_EQ(link.read(got), 1U);
+    EXPECT_EQ(got[0], 78);
+}
+
 TEST(DmaStream, starts_nothing_over_a_stream_that_does_not_stop) {
     RegisterModel model;
     model.on_read[kSendStream] = [] { return 1U; };

@@ -16,6 +16,7 @@ class RegisterModel {
     std::vector<std::pair<uint32_t, uint32_t>> writes;  // address and value, in order
     std::map<uint32_t, std::function<void(uint32_t)>> on_write;
     std::map<uint32_t, std::function<uint32_t()>> on_read;
+    std::function<void()> on_barrier = [] {};
     uint64_t reads = 0;
 
     // One at a time; the newest counts.
@@ -49,5 +50,9 @@ class Register {
   private:
     uint32_t address_;
 };
+
+inline void barrier() {
+    RegisterModel::current->on_barrier();
+}
 
 }  // namespace stator
