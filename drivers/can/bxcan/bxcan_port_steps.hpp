@@ -63,6 +63,9 @@ void BxcanPort<Registers>::begin(uint64_t now_us) {
             // 11 recessive bits in a row, or 128 times as many after bus-off (32.4.2, 32.7.6).
             if (!is_in_init() && (registers_.read(bxcan::kErrorStatus) & bxcan::kBusOff) == 0) {
                 step_ = Step::kRun;
+            } else if (now_us - since_us_ > kMostLeave_us) {
+                ++io_errors_;
+                step_ = Step::kReset;
             }
             break;
         case Step::kRun:

@@ -83,7 +83,7 @@ class BxcanModel {
         }
     }
     void set_errors(uint32_t status) { errors_ = status; }
-    void stop_answering() { answers_ = false; }
+    void set_answering(bool answers) { answers_ = answers; }
     uint32_t plain(uint32_t offset) { return plain_[offset]; }
     unsigned waiting() const {
         unsigned count = 0;

@@ -71,10 +71,25 @@ TEST_F(Bxcan, starts_in_steps_and_is_down_until_then) {
 }
 
 TEST_F(Bxcan, a_controller_that_does_not_answer_is_asked_again) {
-    model.stop_answering();
+    model.set_answering(false);
     for (int i = 0; i < 5; ++i) run(60'000);
     EXPECT_EQ(port.state(), State::kDown);
     EXPECT_GE(counts().io_errors, 1U);
+}
+
+TEST_F(Bxcan, a_controller_that_does_not_leave_its_reset_is_reset_again) {
+    run();
+    model.set_answering(false);  // initialising now, and for ever
+    run();
+    run(500'000);
+    EXPECT_EQ(counts().io_errors, 0U);
+    run();
+    EXPECT_EQ(counts().io_errors, 1U);
+    EXPECT_EQ(port.state(), State::kDown);
+    model.set_answering(true);
+    start();
+    EXPECT_EQ(port.state(), State::kErrorActive);
+    EXPECT_EQ(counts().io_errors, 1U);
 }
 
 TEST_F(Bxcan, sends_what_it_was_given) {
