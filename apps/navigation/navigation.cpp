@@ -19,7 +19,6 @@ constexpr float kPressureExponent = 0.190263f;
 // At rest: no turning beyond the gyro's noise, and nothing felt but gravity.
 constexpr float kRestRate = 0.05f;  // rad/s
 constexpr float kRestForce = 0.5f;  // m/s^2
-constexpr float kRestTime = 1.0f;   // s
 
 bool is_finite(const Vector& v) {
     return math::is_finite(v.squaredNorm());

@@ -25,6 +25,7 @@ class Navigation {
     void step(NavigationPorts& ports);
 
   private:
+    static constexpr float kRestTime = 1.0f;  // s: still for so long is at rest
     // What the output still differs by from the estimate, so that corrections do not make it jump.
     struct Residual {
         Vector turn_N = Vector::Zero();

@@ -1,4 +1,6 @@
 // Navigation: what the filter does with each measurement once its time has come.
+#include <type_traits>
+
 #include "navigation.hpp"
 
 namespace stator {
@@ -59,6 +61,8 @@ bool Navigation::is_due(Waiting<Measurement, kCapacity>& waiting) {
         if (age(waiting.front().time_us) <= kTooLate) return true;
         waiting.pop();
         ++late_;
+        // The next fix begins with its own velocity, however far this one came.
+        if constexpr (std::is_same_v<Measurement, GnssMeasurement>) gnss_next_ = 0;
     }
     return false;
 }
@@ -228,7 +232,7 @@ bool Navigation::fuse_rest(const NavigationParams& params) {
     const unsigned axis = rest_next_;
     rest_next_ = (axis + 1) % 3;
     if (rest_next_ == 0) rest_due_us_ = filter_.time_us() + kRestInterval_us;
-    const bool still = rest_s_ >= 1.0f;
+    const bool still = rest_s_ >= kRestTime;
     const Aid& aid = axis < 2 ? velocity_aid_ : height_aid_;
     if (!still && aid.recent(filter_.time_us(), params.dead_reckoning_timeout)) return false;
     const float velocity = filter_.kinematics().velocity_N(axis);

@@ -264,6 +264,44 @@ TEST(Navigation, BadSamplesAreLeftOut) {
     EXPECT_LT(rig.position_error().norm(), 1.0);
 }
 
+// Each step is longer than a fix may wait, so that one is given up after its first axis.
+TEST(Navigation, AFixAfterADroppedOneBeginsAnew) {
+    constexpr uint64_t kStep_us = 150'000;
+    NavigationRig rig;
+    rig.run(10);
+    rig.params.fusion_delay = 100;  // the horizon moves only as the window overflows
+    const auto activate = [&rig](const SensorGps* fix = nullptr) {
+        const SensorGyro gyro{.timestamp_sample = rig.now_us};
+        const SensorAccel accel{.timestamp_sample = rig.now_us, .xyz = {0, 0, -kGravity}};
+        rig.activate(gyro, accel, fix, nullptr, nullptr);
+    };
+    const auto step = [&](unsigned count) {
+        for (unsigned i = 0; i < count; ++i) {
+            rig.now_us += kStep_us;
+            activate();
+        }
+    };
+    step(MotionWindow::kCapacity);
+    SensorGps fix{.timestamp_sample = rig.now_us,
+                  .latitude_deg = 47.4,
+                  .longitude_deg = 8.5,
+                  .altitude_msl_m = 500,
+                  .s_variance_m_s = 0.1f,
+                  .eph = 0.5f,
+                  .epv = 2.0f,
+                  .fix_type = SensorGps::FixType::kFix3d,
+                  .vel_ned_valid = true};
+    activate(&fix);
+    step(1);
+    fix.timestamp_sample = rig.now_us;
+    fix.vel_n_m_s = 1;
+    activate(&fix);
+    step(MotionWindow::kCapacity - 1);
+    for (int i = 0; i < 6; ++i) activate();
+    ASSERT_EQ(rig.innovations.timestamp_sample, fix.timestamp_sample);
+    EXPECT_NEAR(rig.innovations.gps_hvel[0], 1, 0.2);
+}
+
 TEST(Navigation, StartsAnewAfterAGap) {
     NavigationRig rig;
     rig.run(10);
