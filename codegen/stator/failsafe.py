@@ -108,8 +108,8 @@ def _check_keys(
 
 
 def _next(record: Record, mode: str, event: str) -> str:
-    target: str = record.get("table").values[mode].values[event].value
-    return mode if target == GO_ON else target
+    into: str = record.get("table").values[mode].values[event].value
+    return mode if into == GO_ON else into
 
 
 def _check_circles(record: Record, modes: tuple[str, ...], report: Report) -> None:
@@ -146,8 +146,8 @@ def _walk(
     if mode in done:
         return
     path.append(mode)
-    for target in ways[mode]:
-        _walk(target, path, done, ways, record, report)
+    for following in ways[mode]:
+        _walk(following, path, done, ways, record, report)
     path.pop()
     done.add(mode)
 

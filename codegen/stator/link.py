@@ -111,9 +111,10 @@ class Link:
         self._socket: socket.socket | None = None
         try:
             self._file = self._open()
-        except OSError as error:
+        except (OSError, termios.error) as error:
+            why = "it is no serial port" if isinstance(error, termios.error) else error.strerror
             raise NoLink(
-                f"error: no firmware at {shown_path(path)}: {error.strerror}\n"
+                f"error: no firmware at {shown_path(path)}: {why}\n"
                 "hint: start one: ./stator emulate --link --speed 1; or name its serial port: "
                 "--link /dev/ttyACM0"
             ) from None
@@ -121,10 +122,14 @@ class Link:
     def _open(self) -> int:
         if stat.S_ISCHR(self.path.stat().st_mode):
             file = os.open(self.path, os.O_RDWR | os.O_NOCTTY)
-            tty.setraw(file)
-            speed = termios.tcgetattr(file)
-            speed[4] = speed[5] = termios.B115200
-            termios.tcsetattr(file, termios.TCSANOW, speed)
+            try:
+                tty.setraw(file)
+                speed = termios.tcgetattr(file)
+                speed[4] = speed[5] = termios.B115200
+                termios.tcsetattr(file, termios.TCSANOW, speed)
+            except termios.error:
+                os.close(file)
+                raise
             return file
         self._socket = socket.socket(socket.AF_UNIX)
         self._socket.connect(str(self.path))

@@ -1,0 +1,19 @@
+"""What is named as the firmware's place, and is none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from stator.link import Link, NoLink
+
+
+def test_a_device_that_is_no_serial_port_is_refused() -> None:
+    with pytest.raises(NoLink, match=r"^error: no firmware at /dev/null: it is no serial port\n"):
+        Link(Path("/dev/null"))
+
+
+def test_a_missing_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(NoLink, match="No such file or directory"):
+        Link(tmp_path / "nothing")
