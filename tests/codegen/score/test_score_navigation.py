@@ -7,13 +7,14 @@ import gzip
 import io
 import json
 import os
+import re
 import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from stator import flight_recordings, score, score_navigation
+from stator import flight_recordings, navigation_metrics, navigation_peer, score
 
 DATA = Path(os.environ.get("STATOR_DATA", "/nonexistent"))
 SECONDS = 70
@@ -118,7 +119,7 @@ def test_other_files_are_refused(
 def test_tilt_is_between_the_verticals() -> None:
     ours = np.radians([[10.0, 0, 50], [0, 0, 0]])
     others = np.radians([[0.0, 0, -50], [0, 0, 0]])
-    found = score_navigation.attitude_score(ours, others)
+    found = navigation_metrics.attitude_score(ours, others)
     half = np.sqrt(0.5)
     assert found.tilt_deg == pytest.approx(10 * half)
     assert found.roll_deg == pytest.approx(10 * half)
@@ -129,13 +130,43 @@ def test_tilt_is_between_the_verticals() -> None:
 def test_the_last_third_is_held_out(tmp_path: Path) -> None:
     write(tmp_path, "still", tables())
     flight = flight_recordings.flights_in(tmp_path)[0]
-    kept = score_navigation.held_out(flight)
+    kept = navigation_metrics.held_out(flight)
     fixes = (kept[kept[:, 1] == flight_recordings.GNSS, 0] - flight_recordings.START_US) * 1e-6
     assert not np.any((fixes >= 20) & (fixes < 30))
     assert np.any((fixes >= 30) & (fixes < 50))
-    assert [fix[0] for fix in score_navigation.returning_fixes(flight)] == pytest.approx(
+    assert [fix[0] for fix in navigation_metrics.returning_fixes(flight)] == pytest.approx(
         [flight_recordings.START_US + 30e6, flight_recordings.START_US + 60e6]
     )
+
+
+def test_a_filter_that_is_lost_in_a_window_misses_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of two windows the node answers the first, 5 m off, and says nothing at the second."""
+    write(tmp_path, "still", tables())
+    flight = flight_recordings.flights_in(tmp_path)[0]
+    first = navigation_metrics.returning_fixes(flight)[0]
+    said = {
+        "timestamp_sample": np.array([first[2]]),
+        "gps_hpos[0]": np.array([3.0]),
+        "gps_hpos[1]": np.array([4.0]),
+    }
+
+    class Run:
+        def topic(self, _: str) -> dict[str, score.Array]:
+            return said
+
+    monkeypatch.setattr(navigation_metrics, "replay", lambda *_: Run())
+    found = navigation_metrics.hold_out(flight, tmp_path)
+    assert (found.windows, found.missed) == (2, 1)
+    assert found.p50_m == found.p95_m == np.inf
+
+
+def test_missed_windows_are_worse_than_all_others() -> None:
+    one_in_four = navigation_metrics.summary([1.0, np.inf, 2.0, 3.0])
+    assert (one_in_four.windows, one_in_four.missed) == (4, 1)
+    assert one_in_four.p50_m == pytest.approx(2.5)
+    assert one_in_four.p95_m == np.inf
 
 
 def test_the_peer_coasts_by_its_own_biases() -> None:
@@ -146,7 +177,7 @@ def test_the_peer_coasts_by_its_own_biases() -> None:
     peer |= {f"dangb{axis}": np.zeros(1) for axis in "xyz"}
     peer |= {"t_s": np.zeros(1), "q0": np.ones(1), "ve": np.array([2.0])}
     until = flight_recordings.START_US + 1e6
-    assert score_navigation.coast(peer, 0, imu, until) == pytest.approx([0.5, 2.0], abs=1e-6)
+    assert navigation_peer.coast(peer, 0, imu, until) == pytest.approx([0.5, 2.0], abs=1e-6)
 
 
 # --- the node ---
@@ -162,10 +193,13 @@ def test_a_vehicle_at_rest_scores_well(tmp_path: Path, capsys: pytest.CaptureFix
     assert found["attitude"]["yaw_deg"] < 0.5
     assert all(value < 0.05 for value in found["innovations"].values())
     assert found["hold_out"]["windows"] == 2
+    assert found["hold_out"]["missed"] == 0
     assert found["hold_out"]["p95_m"] < 0.5
 
     assert run(tmp_path, as_json=False) == 0
-    assert "tilt against onboard" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "tilt against onboard" in out
+    assert re.search(r"windows missed +0 of 2\n", out)
 
 
 @pytest.mark.skipif(
