@@ -26,8 +26,8 @@ ORDER_IN_A_LEVEL = """\
 240 late 2 a=waker.3*
 """
 
-# `low` is interrupted by `high`; `middle`, woken by `high`, has to let it end, but does not wait for
-# `low`; `peer` does. What `high` answered is there when `low` runs again.
+# `low` is interrupted by `high`; `middle`, woken by `high`, has to let it end, but does not wait
+# for `low`; `peer` does. What `high` answered is there when `low` runs again.
 NESTING = """\
 0 +low 1
 0 high 1 a=low.1*
@@ -95,8 +95,8 @@ THINNING = """\
 460 thin 10 a=ticker.24*-2
 """
 
-# All readers see the samples of both publishers in one order. `between` interrupts `left`, and waits
-# for `right`.
+# All readers see the samples of both publishers in one order. `between` interrupts `left`, and
+# waits for `right`.
 PUBLISHERS = _lines(
     *(
         f"""\
@@ -136,8 +136,8 @@ TRIGGERS = """\
 # At 100 ms `doomed` wishes for mode two, is interrupted by the switch, and still publishes what
 # `watcher` reads; `never` is pending then and does not run. `beta` begins with what comes after the
 # switch, at its next multiple of 80 ms plus 60. At 260 ms the same the other way: `alpha` counts
-# from 1 again and has lost nothing; `both`, in both modes, goes on. At 420 ms `doomed` and at 460 ms
-# `beta` are new ones.
+# from 1 again and has lost nothing; `both`, in both modes, goes on. At 420 ms `doomed` and at 460
+# ms `beta` are new ones.
 MODES = """\
 0 +beat 1
 0 alpha 1 a=beat.1*
@@ -206,9 +206,7 @@ SCENARIOS = {
     "newest": Scenario(("newest",), NEWEST),
     "age": Scenario(("young",), AGE),
     "thinning": Scenario(("thin",), THINNING),
-    "publishers": Scenario(
-        ("left", "starter", "right", "above", "between"), PUBLISHERS
-    ),
+    "publishers": Scenario(("left", "starter", "right", "above", "between"), PUBLISHERS),
     "triggers": Scenario(("finger0", "button0"), TRIGGERS),
     "modes": Scenario(
         (

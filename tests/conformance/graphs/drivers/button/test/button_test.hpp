@@ -23,9 +23,8 @@ class ButtonTest {
         if (ports.fired.timers != 0) begin.text(" t").number(ports.fired.timers);
         begin.sample(" a=", ports.a).write();
         if (device_.press != nullptr) device_.press();
-        ports.out.publish([&] {
-            return Ping{.source = static_cast<uint32_t>(id), .value = activations_};
-        });
+        ports.out.publish(
+            [&] { return Ping{.source = static_cast<uint32_t>(id), .value = activations_}; });
         trace::Line(ports.now - late_us, " -#", id).write();
     }
 
