@@ -142,6 +142,8 @@ bool Navigator::item_is_reached(const Item& item) const {
 // Phase 0: an item begins; 1: on the way; 2: there.
 void Navigator::advance_mission(const NavigatorPorts& ports) {
     if (!ports.mission || !mission_is_valid_ || is_finished_) return;
+    // A shorter one may have taken its place in flight.
+    if (current_ >= ports.mission->count) return finish(Nav::kHold);
     if (phase_ == 0) {
         const bool on_ground = current_ == 0 && reached_ < 0;
         if (on_ground && in_phase_s_ < ports.params->spool_up_time) return;

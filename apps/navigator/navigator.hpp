@@ -32,7 +32,6 @@ class Navigator {
 
     void go(const math::Vector3<float>& position_N, float heading, float speed);
     void start(GotoSetpoint::Kind kind);
-    bool has_arrived() const;
     float heading_to(const math::Vector3<float>& position_N) const;
     Item item(const NavigatorPorts& ports) const;
 

@@ -7,13 +7,17 @@ namespace stator {
 
 namespace {
 
+constexpr float kShortestEight = 2.0F;  // m
+
 bool is_last(ItemKind kind) {
     return kind == ItemKind::kReturn || kind == ItemKind::kLand;
 }
 
 bool is_number(const Item& item) {
     const bool has_place = math::is_finite(item.position_N.sum()) || item.kind == ItemKind::kReturn;
-    return has_place && item.radius >= 0.0F && item.hold >= 0.0F;
+    const float least = item.kind == ItemKind::kEight ? kShortestEight : 0.0F;
+    return has_place && math::is_finite(item.radius + item.hold) && item.radius >= least &&
+           item.hold >= 0.0F;
 }
 
 bool is_known(ItemKind kind) {
@@ -24,6 +28,20 @@ bool is_known(ItemKind kind) {
 // Of an eight the tips count.
 float reach(const Item& item) {
     return item.kind == ItemKind::kEight ? 0.5F * item.radius : 0.0F;
+}
+
+// A take-off goes straight up, wherever its place is.
+bool is_near(const Item& item, const Eigen::Vector2f& home_N, float farthest) {
+    if (item.kind == ItemKind::kTakeoff) return true;
+    const float away = math::norm(Eigen::Vector2f(item.position_N.head<2>() - home_N));
+    return away + reach(item) <= farthest;
+}
+
+// `item` as seen from home.
+bool has_good_height(const Item& item, float fence_height) {
+    const float height = -item.position_N.z();
+    if (fence_height > 0.0F && height > fence_height) return false;
+    return item.kind == ItemKind::kLand || height > 0.0F;
 }
 
 }  // namespace
@@ -52,6 +70,7 @@ bool is_flyable(const Mission& mission, const Eigen::Vector2f& origin_N,
                 const Eigen::Vector2f& home_N, float farthest) {
     if (mission.count == 0 || mission.count > mission.kind.size()) return false;
     const float fence = mission.fence_radius > 0.0F ? mission.fence_radius : farthest;
+    const float most = math::min(farthest, fence);
     for (unsigned i = 0; i < mission.count; ++i) {
         const Item item = item_at(mission, i, origin_N, 0.0F);
         const bool is_first = i == 0;
@@ -59,10 +78,8 @@ bool is_flyable(const Mission& mission, const Eigen::Vector2f& origin_N,
         if (!is_known(item.kind) || !is_number(item)) return false;
         if ((item.kind == ItemKind::kTakeoff) != is_first) return false;
         if (is_last(item.kind) && !ends) return false;
-        if (is_last(item.kind) || is_first) continue;
-        const float away = math::norm(Eigen::Vector2f(item.position_N.head<2>() - home_N));
-        if (!(away + reach(item) <= math::min(farthest, fence))) return false;
-        if (mission.fence_height > 0.0F && -item.position_N.z() > mission.fence_height)
+        if (item.kind == ItemKind::kReturn) continue;
+        if (!is_near(item, home_N, most) || !has_good_height(item, mission.fence_height))
             return false;
     }
     return true;

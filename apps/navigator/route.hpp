@@ -33,8 +33,8 @@ Eigen::Vector2f origin_N(const Mission& mission, const VehicleLocalPosition& pos
 // `index` below the mission's count.
 Item item_at(const Mission& mission, unsigned index, const Eigen::Vector2f& origin_N, float home_z);
 
-// It begins with a take-off, ends with what ends it, is all numbers, and stays near: within
-// `farthest` and the mission's own fence.
+// It begins with a take-off, ends with what ends it, is all numbers, and stays above home and near:
+// within `farthest` and the mission's own fence.
 bool is_flyable(const Mission& mission, const Eigen::Vector2f& origin_N,
                 const Eigen::Vector2f& home_N, float farthest);
 

@@ -49,6 +49,13 @@ ProfileLimits along(const Vector3<float>& direction, const ProfileLimits& level,
             level.jerk};
 }
 
+// A goal with a place or size that is none leads nowhere.
+bool is_finite(const Leg& leg) {
+    const PathState midway = leg.at(0.5F * leg.duration());
+    const Vector3<float> sum = midway.position + midway.velocity + midway.acceleration;
+    return math::is_finite(leg.duration() + sum.sum());
+}
+
 }  // namespace
 
 float Trajectory::seconds_since_last(uint64_t now_us) {
@@ -102,7 +109,8 @@ void Trajectory::take_goal(const GotoSetpoint& goal, const TrajectoryParams& par
     limits_.climb_rate = or_default(goal.max_vertical_speed, params.climb_rate);
     limits_.descent_rate = or_default(goal.max_vertical_speed, params.descent_rate);
     const Stop stop(state_, {params.speed, params.acceleration, params.jerk});
-    plan_ = MotionPlan(stop, leg_to(goal, stop.rest()));
+    const Leg leg = leg_to(goal, stop.rest());
+    plan_ = MotionPlan(stop, is_finite(leg) ? leg : Leg());
     plan_time_ = 0.0F;
 }
 
@@ -163,7 +171,8 @@ void Trajectory::advance_speeds(const TrajectoryPorts& ports, float dt) {
     yaw_rate_ += math::clamp(sticks.yaw * params.yaw_rate - yaw_rate_, -most, most);
     heading_ = math::wrap_pi(heading_ + yaw_rate_ * dt);
     if (task_ != Task::kHeightOnly || !ports.position) return;
-    state_.position.head<2>() << ports.position->x, ports.position->y;
+    const VehicleLocalPosition& p = *ports.position;
+    if (p.xy_valid && math::is_finite(p.x + p.y)) state_.position.head<2>() << p.x, p.y;
     const float pull = kGravity * math::tan(params.stick_tilt);
     state_.acceleration.head<2>() =
         turned({sticks.pitch * pull, sticks.roll * pull, 0.0F}, heading_).head<2>();

@@ -32,6 +32,10 @@ NAMES = {
     EIGHT: "figure of eight",
 }
 USUAL_RADIUS_M = 1.0  # how near is there
+SHORTEST_EIGHT_M = 2.0  # of apps/navigator/route.cpp
+LEAST_CLIMB_M = 0.5
+# No vehicle's parameters allow more: `farthest` of the navigator, `fence_height` of the commander.
+MOST_AWAY_M = MOST_HEIGHT_M = 10_000.0
 
 
 @dataclass(frozen=True)
@@ -111,11 +115,33 @@ def _check(path: Path, mission: Mission) -> None:
                 "is never reached: the item before ends the mission",
                 "remove what stands behind the end",
             )
-        if item.kind == TAKEOFF and item.height < 0.5:
-            raise refuse(number, f"a height of {item.height:g} m", "climb 0.5 m at least")
-        distance = math.hypot(item.north, item.east)
-        if item.kind != RETURN and distance > 100_000.0:
-            raise refuse(number, f"{distance / 1000:.0f} km away", "is the origin the right one?")
+        fault = None if item.kind == RETURN else _fault(item, mission)
+        if fault is not None:
+            raise refuse(number, *fault)
+
+
+def _fault(item: Item, mission: Mission) -> tuple[str, str] | None:
+    """What is wrong with its size or place, and what to do."""
+    is_eight = item.kind == EIGHT
+    if is_eight and not item.radius >= SHORTEST_EIGHT_M:
+        least = f"{SHORTEST_EIGHT_M:g} m"
+        return f"a length of {item.radius:g} m", f"make it {least} long at least: twice its radius"
+    if item.kind == TAKEOFF and not item.height >= LEAST_CLIMB_M:
+        return f"a height of {item.height:g} m", f"climb {LEAST_CLIMB_M:g} m at least"
+    if item.kind != LAND and not item.height > 0.0:
+        return f"a height of {item.height:g} m above home", "give it a height above home"
+    if 0.0 < mission.fence_height < item.height:
+        what = f"{item.height:g} m high, the fence ends at {mission.fence_height:g} m"
+        return what, "lower it, or widen the fence"
+    if item.height > MOST_HEIGHT_M:
+        return f"{item.height:g} m high", f"lower it to {MOST_HEIGHT_M:g} m at most"
+    away = math.hypot(item.north, item.east) + (0.5 * item.radius if is_eight else 0.0)
+    if away > MOST_AWAY_M:
+        return f"{away / 1000:.0f} km away", "is the origin the right one?"
+    if 0.0 < mission.fence_radius < away:
+        what = f"leads {away:.1f} m away, the fence ends at {mission.fence_radius:g} m"
+        return what, "bring it nearer, or widen the fence"
+    return None
 
 
 def packed(mission: Mission) -> bytes:

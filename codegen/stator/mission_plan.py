@@ -40,6 +40,7 @@ OTHERS = {
     2001: "stop photos", 2500: "start video", 2501: "stop video", 3000: "VTOL transition",
 }  # fmt: skip
 MOST_FENCE_OFFSET_M = 5.0
+MOST = 1e9  # of any number; FOREVER_S is as long
 ABOVE_SEA, NO_PLACE, ABOVE_HOME = (0, 5), (2,), (3, 6)
 
 
@@ -72,7 +73,7 @@ def read_plan(path: Path) -> Mission:
 def _read_json(text: str) -> Mission:
     try:
         plan = json.loads(text)
-    except (json.JSONDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # ValueError: also a number of 5000 digits
         raise _Refusal(f"not JSON: {error}\nhint: save the plan again") from error
     if not isinstance(plan, dict) or plan.get("fileType") != "Plan":
         raise _Refusal(
@@ -95,7 +96,7 @@ def _is_numbers(value: Any, count: int) -> bool:
     return (
         isinstance(value, list)
         and len(value) == count
-        and all(isinstance(v, int | float) and math.isfinite(v) for v in value)
+        and all(_is_number(v) and abs(v) <= MOST for v in value)
     )
 
 
@@ -109,8 +110,18 @@ def _row_of(number: int, item: Any) -> _Row:
     command, frame, params = (item.get(key) for key in ("command", "frame", "params"))
     if not isinstance(command, int) or not isinstance(frame, int) or not _is_params(params):
         raise _Refusal(f"item {number} is not complete\nhint: save the plan again")
-    values = tuple(NAN if value is None else float(value) for value in params or ())
-    return _Row(number, command, frame, values)
+    assert isinstance(params, list)
+    return _row(number, command, frame, [NAN if value is None else value for value in params])
+
+
+def _row(number: int, command: int, frame: int, params: list[float]) -> _Row:
+    for index, value in enumerate(params, 1):
+        if abs(value) > MOST:
+            raise _Refusal(
+                f"item {number}: parameter {index} is too large a number\n"
+                f"hint: give one below {MOST:g}"
+            )
+    return _Row(number, command, frame, tuple(float(value) for value in params))
 
 
 def _is_params(value: Any) -> bool:
@@ -137,9 +148,9 @@ def _read_text(text: str) -> Mission:
             values = [float(word) for word in words]
         except ValueError:
             values = []
-        if len(values) != 12:
+        if len(values) != 12 or not all(value.is_integer() for value in values[2:4]):
             raise _Refusal(f"line {number + 2} is no item\nhint: save the mission again")
-        rows.append(_Row(number, int(values[3]), int(values[2]), tuple(values[4:11])))
+        rows.append(_row(number, int(values[3]), int(values[2]), values[4:11]))
     if not rows or not all(math.isfinite(v) for v in rows[0].params[4:]):
         raise _Refusal("the mission has no home\nhint: save the mission again")
     latitude, longitude, altitude = rows[0].params[4:]
@@ -148,21 +159,27 @@ def _read_text(text: str) -> Mission:
 
 def _fence(plan: dict[str, Any], origin: tuple[float, float]) -> float:
     """Only what a vehicle can watch: one circle about home."""
-    fence = plan.get("geoFence")
-    fence = fence if isinstance(fence, dict) else {}
+    fence = _mapping(plan.get("geoFence"))
     if fence.get("polygons"):
         raise _Refusal("the fence has a polygon, which is not supported\nhint: draw a circle")
     circles = fence.get("circles") or []
     if not circles:
         return 0.0
-    circle = circles[0].get("circle", {}) if isinstance(circles[0], dict) else {}
-    place = [*(circle.get("center") or []), circle.get("radius")]
-    if len(circles) > 1 or not circles[0].get("inclusion") or not _is_numbers(place, 3):
-        raise _Refusal("the fence is not one circle to stay in\nhint: remove the others")
-    latitude, longitude, radius = place
-    if math.hypot(*to_local(origin, (latitude, longitude))) > MOST_FENCE_OFFSET_M:
+    only = _mapping(circles[0]) if isinstance(circles, list) and len(circles) == 1 else {}
+    circle = _mapping(only.get("circle"))
+    center, radius = circle.get("center"), circle.get("radius")
+    is_circle = _is_numbers(center, 2) and _is_numbers([radius], 1) and radius > 0.0
+    if not only.get("inclusion") or not is_circle:
+        raise _Refusal(
+            "the fence is not one circle to stay in\nhint: draw one about home, remove the others"
+        )
+    if math.hypot(*to_local(origin, (center[0], center[1]))) > MOST_FENCE_OFFSET_M:
         raise _Refusal("the fence's circle is not about the planned home\nhint: move it there")
     return float(radius)
+
+
+def _mapping(value: Any) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}
 
 
 # --- what the items mean ---
@@ -202,6 +219,11 @@ def _item(row: _Row, before: Item, origin: tuple[float, float], home_altitude: f
     if row.command == LOITER_UNLIMITED:
         return replace(place, hold=FOREVER_S)
     if row.command == EIGHT:
+        if first < 0.0:
+            raise _Refusal(
+                f"item {row.number}: a figure of eight the other way round (radius {first:g} m) "
+                "is not supported\nhint: give a radius above 0"
+            )
         return replace(place, heading=fourth, radius=2.0 * first, hold=1.0)
     if row.command == LOITER_TIME:
         return replace(place, hold=max(first, 0.1))

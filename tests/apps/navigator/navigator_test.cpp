@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "stator/testing.hpp"
 
 namespace stator {
@@ -319,6 +321,73 @@ TEST_F(NavigatorTest, of_an_eight_the_tips_count_too) {
     mission_.fence_radius = 50.0F;
     step();
     EXPECT_FALSE(result_.valid);
+}
+
+// Shorter, its curve is sharper than any acceleration allows; none at all would divide by zero.
+TEST_F(NavigatorTest, an_eight_shorter_than_2_m_is_not_valid) {
+    add(ItemKind::kEight, 10.0F, 0.0F, 5.0F, 1.0F);
+    for (const float length : {0.0F, 1.9F, -10.0F, kNaN}) {
+        mission_.radius[1] = length;
+        step();
+        EXPECT_FALSE(result_.valid) << length;
+    }
+    mission_.radius[1] = 2.0F;
+    step();
+    EXPECT_TRUE(result_.valid);
+}
+
+TEST_F(NavigatorTest, a_hold_that_is_infinite_is_not_valid) {
+    add(ItemKind::kWaypoint, 10.0F, 0.0F, 5.0F, std::numeric_limits<float>::infinity());
+    step();
+    EXPECT_FALSE(result_.valid);
+}
+
+TEST_F(NavigatorTest, a_landing_counts_for_distance_and_fence_too) {
+    add(ItemKind::kLand, 100.0F, 0.0F, 5.0F);
+    step();
+    EXPECT_TRUE(result_.valid);
+    mission_.fence_radius = 50.0F;
+    step();
+    EXPECT_FALSE(result_.valid);
+    mission_.fence_radius = 0.0F;
+    params_.farthest = 50.0F;
+    step();
+    EXPECT_FALSE(result_.valid);
+    params_.farthest = 1000.0F;
+    mission_.fence_height = 8.0F;
+    mission_.height[1] = 9.0F;
+    step();
+    EXPECT_FALSE(result_.valid);
+}
+
+TEST_F(NavigatorTest, a_take_off_above_the_fence_is_not_valid) {
+    mission_.fence_height = 4.0F;
+    step();
+    EXPECT_FALSE(result_.valid);
+}
+
+TEST_F(NavigatorTest, what_is_not_above_home_is_not_valid) {
+    add(ItemKind::kWaypoint, 10.0F, 0.0F, 0.0F);
+    step();
+    EXPECT_FALSE(result_.valid);
+    mission_.height[1] = 5.0F;
+    mission_.height[0] = -5.0F;
+    step();
+    EXPECT_FALSE(result_.valid);
+}
+
+TEST_F(NavigatorTest, a_shorter_mission_that_comes_in_flight_is_over) {
+    add(ItemKind::kWaypoint, 10.0F, 0.0F, 5.0F);
+    add(ItemKind::kWaypoint, 20.0F, 0.0F, 5.0F);
+    fly(Nav::kMission);
+    run(2.0F);
+    arrive();
+    arrive();
+    EXPECT_EQ(result_.seq_current, 2);
+    mission_.count = 2;
+    step();
+    EXPECT_TRUE(result_.finished);
+    EXPECT_EQ(result_.next_nav_state, static_cast<uint8_t>(Nav::kHold));
 }
 
 // A minute of latitude is 1853.2 m at 47.4 degrees: the meridian's radius there is 6,370.2 km.

@@ -315,6 +315,37 @@ TEST_F(TrajectoryTest, altitude_mode_leans_and_leaves_the_place_free) {
     EXPECT_TRUE(math::is_finite(setpoint_.position[2]));
 }
 
+TEST_F(TrajectoryTest, altitude_mode_takes_no_place_that_is_not_known) {
+    position_.x = 3.0F;
+    status_.nav_state = Nav::kAltitude;
+    step();
+    position_.xy_valid = false;
+    position_.x = math::canonical_nan<float>();
+    step();
+    status_.nav_state = Nav::kPosition;
+    step();
+    EXPECT_NEAR(setpoint_.position[0], 3.0F, 1e-3F);
+    EXPECT_NEAR(setpoint_.position[1], 0.0F, 1e-3F);
+}
+
+TEST_F(TrajectoryTest, a_goal_that_is_not_finite_stops_at_the_place) {
+    go_to(10.0F, -5.0F, -5.0F);
+    run(15.0F);
+    go_to(math::canonical_nan<float>(), 0.0F, -5.0F);
+    for (const float length : {0.0F, math::canonical_nan<float>()}) {
+        run(1.0F);
+        EXPECT_NEAR(setpoint_.position[0], 10.0F, 1e-2F);
+        EXPECT_NEAR(setpoint_.velocity[1], 0.0F, 1e-3F);
+        EXPECT_TRUE(progress_.is_done);
+        ++goal_.number;
+        goal_.kind = GotoSetpoint::Kind::kEight;
+        goal_.length = length;
+        goal_.laps = 2.0F;
+    }
+    run(1.0F);
+    EXPECT_NEAR(setpoint_.position[0], 10.0F, 1e-2F);
+}
+
 TEST_F(TrajectoryTest, descend_sinks_without_a_place) {
     status_.nav_state = Nav::kDescend;
     step();

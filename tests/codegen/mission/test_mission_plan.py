@@ -131,6 +131,77 @@ def test_what_is_not_supported_is_named(content: Any, message: str, tmp_path: Pa
     assert "hint: " in str(refused.value)
 
 
+def way(*params: float | None) -> dict[str, Any]:
+    return item(16, *params)
+
+
+def fenced(circles: Any) -> dict[str, Any]:
+    return plan(TAKE_OFF, geoFence={"circles": circles, "polygons": []})
+
+
+def text(command: str, *, frame: str = "3", altitude: str = "8") -> str:
+    home = f"0 1 0 16 0 0 0 0 {HOME[0]} {HOME[1]} 488 1"
+    return f"QGC WPL 110\n{home}\n1 0 {frame} {command} 0 0 0 0 0 0 {altitude} 1\n"
+
+
+INFINITY = math.inf
+NOT_A_CIRCLE = "the fence is not one circle to stay in"
+ALL_DIGITS = json.dumps(plan(TAKE_OFF, way(4711, 0, 0, 0, NORTH, HOME[1], 8)))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (text("nan"), "line 3 is no item"),
+        (text("inf"), "line 3 is no item"),
+        (text("22", frame="nan"), "line 3 is no item"),
+        (text("22", altitude="inf"), "item 1: parameter 7 is too large a number"),
+        (fenced({"circle": 5}), NOT_A_CIRCLE),
+        (fenced([5]), NOT_A_CIRCLE),
+        (fenced([{"circle": 5, "inclusion": True}]), NOT_A_CIRCLE),
+        (fenced([{"circle": {"center": 5, "radius": 80}, "inclusion": True}]), NOT_A_CIRCLE),
+        (fenced([{"circle": {"center": [5], "radius": 80}, "inclusion": True}]), NOT_A_CIRCLE),
+        (fenced([{"circle": {"center": HOME[:2], "radius": -8}, "inclusion": True}]), NOT_A_CIRCLE),
+        (
+            plan(TAKE_OFF, way(0, 0, 0, 0, 10**400, HOME[1], 8)),
+            "item 2: parameter 5 is too large a number",
+        ),
+        (ALL_DIGITS.replace("4711", "1" * 5000), "not JSON"),
+        (
+            plan(TAKE_OFF, way(0, 0, 0, 0, NORTH, HOME[1], -1e300)),
+            "item 2: parameter 7 is too large a number",
+        ),
+        (plan(TAKE_OFF, way(INFINITY, 0, 0, 0, NORTH, HOME[1], 8)), "item 2: parameter 1 is"),
+        (plan(TAKE_OFF, way(0, 0, 0, INFINITY, NORTH, HOME[1], 8)), "item 2: parameter 4 is"),
+        (plan(TAKE_OFF, item(178, 1, INFINITY, -1, 0, 0, 0, 0)), "item 2: parameter 2 is"),
+        (
+            plan(TAKE_OFF, way(0, 0, 0, 0, NORTH, HOME[1], 0)),
+            "item 2, waypoint: a height of 0 m above home",
+        ),
+        (
+            plan(TAKE_OFF, item(35, 0, 5, 0, 0, HOME[0], HOME[1], 9)),
+            "item 2, figure of eight: a length of 0 m",
+        ),
+        (
+            plan(TAKE_OFF, item(35, -10, 5, 0, 0, HOME[0], HOME[1], 9)),
+            "item 2: a figure of eight the other way round (radius -10 m) is not supported",
+        ),
+        (
+            plan(TAKE_OFF, mission={"plannedHomePosition": [10**400, 0, 0], "items": []}),
+            "no mission with a planned home position",
+        ),
+    ],
+)
+def test_a_file_with_impossible_values_is_refused(
+    content: Any, message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UserError) as refused:
+        read(content, tmp_path)
+    assert str(tmp_path / "flight.plan") in str(refused.value)
+    assert message in str(refused.value)
+    assert "hint: " in str(refused.value)
+
+
 def test_the_older_text_format(tmp_path: Path) -> None:
     lines = [
         "QGC WPL 110",

@@ -116,6 +116,38 @@ def test_wrong_missions_are_refused(text: str, message: str, tmp_path: Path) -> 
     assert message in refusal(text, tmp_path)
 
 
+FENCED = "fence: {radius: 50 m, height: 20 m}\nitems: [takeoff: {height: 5 m}, "
+
+
+@pytest.mark.parametrize(
+    ("items", "message"),
+    [
+        ("waypoint: {north: 51 m}]", "item 2, waypoint: leads 51.0 m away, the fence ends at 50 m"),
+        ("land: {north: 51 m}]", "item 2, land: leads 51.0 m away, the fence ends at 50 m"),
+        ("land: {height: 21 m}]", "item 2, land: 21 m high, the fence ends at 20 m"),
+        ("waypoint: {height: 21 m}]", "item 2, waypoint: 21 m high"),
+        (
+            "eight: {north: 45 m, length: 12 m, speed: 3 m/s}]",
+            "item 2, figure of eight: leads 51.0 m away",
+        ),
+    ],
+)
+def test_what_leaves_the_fence_is_named(items: str, message: str, tmp_path: Path) -> None:
+    said = refusal(FENCED + items, tmp_path)
+    assert message in said
+    assert "or widen the fence" in said
+
+
+def test_a_take_off_above_the_fence_is_named(tmp_path: Path) -> None:
+    text = "fence: {height: 4 m}\nitems: [takeoff: {height: 5 m}]"
+    assert "item 1, takeoff: 5 m high, the fence ends at 4 m" in refusal(text, tmp_path)
+
+
+def test_what_no_vehicle_may_reach_is_refused(tmp_path: Path) -> None:
+    text = "items: [takeoff: {height: 5 m}, land: {north: 9 km, east: 9 km}]"
+    assert "item 2, land: 13 km away" in refusal(text, tmp_path)
+
+
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"cannot read the mission '.*none.yaml'"):
         read_mission(tmp_path / "none.yaml")
