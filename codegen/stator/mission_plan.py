@@ -119,7 +119,7 @@ def _row(number: int, command: int, frame: int, params: list[float]) -> _Row:
         if abs(value) > MOST:
             raise _Refusal(
                 f"item {number}: parameter {index} is too large a number\n"
-                f"hint: give one below {MOST:g}"
+                f"hint: give one between {-MOST:g} and {MOST:g}"
             )
     return _Row(number, command, frame, tuple(float(value) for value in params))
 
@@ -167,7 +167,8 @@ def _fence(plan: dict[str, Any], origin: tuple[float, float]) -> float:
         return 0.0
     only = _mapping(circles[0]) if isinstance(circles, list) and len(circles) == 1 else {}
     circle = _mapping(only.get("circle"))
-    center, radius = circle.get("center"), circle.get("radius")
+    center: Any = circle.get("center")
+    radius: Any = circle.get("radius")
     is_circle = _is_numbers(center, 2) and _is_numbers([radius], 1) and radius > 0.0
     if not only.get("inclusion") or not is_circle:
         raise _Refusal(
