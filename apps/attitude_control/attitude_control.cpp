@@ -53,8 +53,16 @@ std::array<float, 3> upheld(const std::array<float, 3>& thrust_B, const Quaterni
 
 bool is_flown_by_hand(const AttitudeControlPorts& ports) {
     using Nav = VehicleStatus::NavState;
-    if (!ports.status || !ports.sticks || !ports.sticks->valid) return false;
+    if (!ports.status) return false;
     return ports.status->nav_state == Nav::kManual || ports.status->nav_state == Nav::kStabilized;
+}
+
+bool is_armed(const AttitudeControlPorts& ports) {
+    return ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
+}
+
+bool hears_pilot(const AttitudeControlPorts& ports) {
+    return ports.sticks && ports.sticks->valid;
 }
 
 // Least at the lower end, hover in the middle, most at the upper end.
@@ -82,13 +90,15 @@ Vector3<float> AttitudeControl::rates_setpoint(const AttitudeControlPorts& ports
     const Quaternion<float> q_NB = math::quaternion(attitude.q);
     Quaternion<float> wanted = level(q_NB);
     float yaw_rate = 0.0F;
+    const bool by_sticks = is_flown_by_hand(ports) && hears_pilot(ports);
+    // Until the commander decides what follows.
+    const bool awaits_pilot = is_flown_by_hand(ports) && !hears_pilot(ports) && is_armed(ports);
     VehicleAttitudeSetpoint setpoint{.q_d = {math::canonical_nan<float>()}};
-    if (ports.setpoint) setpoint = *ports.setpoint;
-    if (is_flown_by_hand(ports)) setpoint = by_hand(ports, q_NB);
+    if (ports.setpoint && !awaits_pilot) setpoint = *ports.setpoint;
+    if (by_sticks) setpoint = by_hand(ports, q_NB);
     if (is_usable(setpoint)) {
         wanted = math::quaternion(setpoint.q_d);
         yaw_rate = setpoint.yaw_sp_move_rate;
-        const bool by_sticks = is_flown_by_hand(ports);
         thrust_body_ =
             by_sticks ? setpoint.thrust_body : upheld(setpoint.thrust_body, wanted, q_NB);
         has_setpoint_ = true;

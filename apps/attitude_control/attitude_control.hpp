@@ -13,7 +13,8 @@ namespace stator {
 //     q_NB^-1 * q_NB_setpoint = q_tilt * q_yaw     q_tilt the shortest turn of the thrust axis
 //     rates = 2 * (tilt_p * q_tilt.x, tilt_p * q_tilt.y, yaw_p * q_yaw.z)
 //
-// In the modes manual and stabilized the sticks are the setpoint.
+// In the modes manual and stabilized the sticks are the setpoint; armed, one that is absent while
+// they are not heard.
 //
 // Before the first setpoint it wants no rotation and no thrust; a setpoint that is absent later, or
 // not a number, reads as level at the present heading and the last thrust.

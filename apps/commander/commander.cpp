@@ -1,6 +1,8 @@
 // Arming, flight modes, failsafes.
 #include "commander.hpp"
 
+#include "stator/elapsed.hpp"
+
 namespace stator {
 
 namespace {
@@ -37,12 +39,6 @@ int32_t mode_of_slot(const CommanderParams& params, unsigned slot) {
 }
 
 }  // namespace
-
-float Commander::seconds_since_last(uint64_t now_us) {
-    const auto elapsed_us = static_cast<int32_t>(now_us - last_us_);
-    last_us_ = now_us;
-    return math::clamp(static_cast<float>(elapsed_us) * 1e-6F, kShortestStep, kLongestStep);
-}
 
 void Commander::take_health(const CommanderPorts& ports, float dt) {
     using Warning = BatteryStatus::Warning;
@@ -181,7 +177,7 @@ void Commander::disarm_where_due(const CommanderPorts& ports, float dt) {
 }
 
 void Commander::step(CommanderPorts& ports) {
-    const float dt = seconds_since_last(ports.now);
+    const float dt = seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
     take_health(ports, dt);
     take_events(ports, dt);
     take_wish(ports, dt);

@@ -19,7 +19,6 @@ class Commander {
   private:
     using Nav = VehicleStatus::NavState;
 
-    float seconds_since_last(uint64_t now_us);
     void take_health(const CommanderPorts& ports, float dt);
     void take_events(const CommanderPorts& ports, float dt);
     bool is_outside_fence(const CommanderPorts& ports) const;

@@ -1,6 +1,7 @@
 // Landed or not.
 #include "land_detector.hpp"
 
+#include "stator/elapsed.hpp"
 #include "stator/scalar.hpp"
 
 namespace stator {
@@ -63,9 +64,7 @@ void LandDetector::update(const LandDetectorPorts& ports, float dt) {
 }
 
 void LandDetector::step(LandDetectorPorts& ports) {
-    const auto elapsed_us = static_cast<int32_t>(ports.now - last_us_);
-    last_us_ = ports.now;
-    update(ports, math::clamp(static_cast<float>(elapsed_us) * 1e-6F, 0.0F, kLongestStep));
+    update(ports, seconds_since_last(last_us_, ports.now, 0.0F, kLongestStep));
     ports.land.publish([&] { return VehicleLandDetected{.landed = has_landed_}; });
 }
 

@@ -1,6 +1,8 @@
 // Goals of take-off, mission, return and landing.
 #include "navigator.hpp"
 
+#include "stator/elapsed.hpp"
+
 namespace stator {
 
 using math::Vector3;
@@ -17,12 +19,6 @@ constexpr float kNearEnough = 0.5F;  // m
 constexpr float kSettled_s = 4.0F;
 
 }  // namespace
-
-float Navigator::seconds_since_last(uint64_t now_us) {
-    const auto elapsed_us = static_cast<int32_t>(now_us - last_us_);
-    last_us_ = now_us;
-    return math::clamp(static_cast<float>(elapsed_us) * 1e-6F, kShortestStep, kLongestStep);
-}
 
 void Navigator::take_inputs(const NavigatorPorts& ports) {
     if (ports.position) {
@@ -209,7 +205,7 @@ void Navigator::advance_landing(const NavigatorPorts& ports) {
 }
 
 void Navigator::step(NavigatorPorts& ports) {
-    in_phase_s_ += seconds_since_last(ports.now);
+    in_phase_s_ += seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
     take_inputs(ports);
     const bool armed =
         ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;

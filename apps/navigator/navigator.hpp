@@ -18,7 +18,6 @@ class Navigator {
   private:
     using Nav = VehicleStatus::NavState;
 
-    float seconds_since_last(uint64_t now_us);
     void take_inputs(const NavigatorPorts& ports);
     void begin_mode(const NavigatorPorts& ports);
     void advance(const NavigatorPorts& ports);

@@ -1,6 +1,8 @@
 // Position and velocity control: from a trajectory setpoint to an attitude setpoint.
 #include "position_control.hpp"
 
+#include "stator/elapsed.hpp"
+
 namespace stator {
 
 using math::Quaternion;
@@ -34,6 +36,12 @@ constexpr TrajectorySetpoint kStandStill{.timestamp = 0,
                                          .acceleration = {},
                                          .yaw = kNaN,
                                          .yawspeed = 0.0F};
+
+// Leaves attitude_control the thrust that it has.
+constexpr VehicleAttitudeSetpoint kNoWish{.timestamp = 0,
+                                          .yaw_sp_move_rate = kNaN,
+                                          .q_d = {kNaN, kNaN, kNaN, kNaN},
+                                          .thrust_body = {kNaN, kNaN, kNaN}};
 
 bool is_armed(const PositionControlPorts& ports) {
     return ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
@@ -103,12 +111,6 @@ bool PositionControl::take_position(const PositionControlPorts& ports) {
     return true;
 }
 
-float PositionControl::seconds_since_last(uint64_t timestamp_us) {
-    const auto elapsed_us = static_cast<int32_t>(timestamp_us - last_us_);
-    last_us_ = timestamp_us;
-    return math::clamp(static_cast<float>(elapsed_us) * 1e-6F, kShortestStep, kLongestStep);
-}
-
 // Rises from nothing after arming or standing, so that the motors do not jump to hover.
 float PositionControl::thrust_max(const PositionControlParams& params, float dt) {
     armed_for_s_ = math::min(armed_for_s_ + dt, params.spool_up_time);
@@ -126,12 +128,18 @@ void PositionControl::step(PositionControlPorts& ports) {
     const PositionControlParams& params = *ports.params;
     if (ports.params.is_new()) configure(params);
     if (!take_position(ports)) return;
-    const float dt =
-        seconds_since_last(ports.position ? ports.position->timestamp_sample : ports.now);
+    const uint64_t time_us = ports.position ? ports.position->timestamp_sample : ports.now;
+    const float dt = seconds_since_last(last_us_, time_us, kShortestStep, kLongestStep);
     const bool armed = is_armed(ports);
-    if (!armed || is_flown_by_hand(ports) || rests(ports)) {
+    if (armed && is_flown_by_hand(ports)) {
+        motion_.reset();
+        armed_for_s_ = 0.0F;
+        ports.attitude_setpoint.publish([] { return kNoWish; });
+        return;
+    }
+    if (!armed || rests(ports)) {
         // A vehicle that only seemed to have landed goes on with the integral it had.
-        if (!armed || is_flown_by_hand(ports)) motion_.reset();
+        if (!armed) motion_.reset();
         armed_for_s_ = 0.0F;
         // On the ground enough to stay upright in a gust.
         const float idle = armed && rests(ports) ? params.thrust_min : 0.0F;

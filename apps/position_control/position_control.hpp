@@ -9,11 +9,11 @@
 
 namespace stator {
 
-// Runs with every position estimate. Disarmed, without a status, or while the pilot's sticks are
-// the attitude (modes manual and stabilized), and on the ground until it shall climb, it wants
-// level and no thrust, or very little. Without a setpoint it stands still. Without a position, if
-// something else activates it, it waits a moment, then sinks level; so it does axis by axis with
-// what the estimate calls invalid.
+// Runs with every position estimate. Disarmed, without a status, and on the ground until it shall
+// climb, it wants level and no thrust, or very little. While the pilot's sticks are the attitude
+// (modes manual and stabilized) it wants nothing: its setpoint is not a number. Without a setpoint
+// it stands still. Without a position, if something else activates it, it waits a moment, then
+// sinks level; so it does axis by axis with what the estimate calls invalid.
 class PositionControl {
   public:
     void step(PositionControlPorts& ports);
@@ -21,7 +21,6 @@ class PositionControl {
   private:
     void configure(const PositionControlParams& params);
     bool take_position(const PositionControlPorts& ports);
-    float seconds_since_last(uint64_t timestamp_us);
     float thrust_max(const PositionControlParams& params, float dt);
 
     void learn_hover_thrust(const PositionControlPorts& ports, float dt);

@@ -1,6 +1,8 @@
 // Body-rate control, the innermost loop.
 #include "rate_control.hpp"
 
+#include "stator/elapsed.hpp"
+
 namespace stator {
 
 using math::Vector3;
@@ -24,12 +26,6 @@ RateGains gains_of(const RateControlParams& params) {
 }
 
 }  // namespace
-
-float RateControl::seconds_since_last(uint64_t timestamp_sample) {
-    const auto elapsed_us = static_cast<int32_t>(timestamp_sample - last_sample_us_);
-    last_sample_us_ = timestamp_sample;
-    return math::clamp(static_cast<float>(elapsed_us) * 1e-6F, kShortestStep, kLongestStep);
-}
 
 void RateControl::take_setpoint(const VehicleRatesSetpoint& setpoint) {
     setpoint_ = finite_or_zero({setpoint.roll, setpoint.pitch, setpoint.yaw});
@@ -58,7 +54,8 @@ void RateControl::step(RateControlPorts& ports) {
         setpoint_.setZero();
     }
 
-    const float dt = seconds_since_last(ports.gyro->timestamp_sample);
+    const float dt = seconds_since_last(last_sample_us_, ports.gyro->timestamp_sample,
+                                        kShortestStep, kLongestStep);
     const bool integrate = may_integrate(ports);
     const Vector3<float> torque = pid_.update(rate, setpoint_, dt, integrate);
 

@@ -16,7 +16,6 @@ class RateControl {
     void step(RateControlPorts& ports);
 
   private:
-    float seconds_since_last(uint64_t timestamp_sample);
     void take_setpoint(const VehicleRatesSetpoint& setpoint);
     bool may_integrate(const RateControlPorts& ports);
 

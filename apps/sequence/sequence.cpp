@@ -1,6 +1,8 @@
 // A flight from parameters: arms, takes off, hovers, lands, disarms.
 #include "sequence.hpp"
 
+#include "stator/elapsed.hpp"
+
 namespace stator {
 
 using math::Vector3;
@@ -45,12 +47,6 @@ bool is_good(const SequencePorts& ports) {
 }
 
 }  // namespace
-
-float Sequence::seconds_since_last(uint64_t now_us) {
-    const auto elapsed_us = static_cast<int32_t>(now_us - last_us_);
-    last_us_ = now_us;
-    return math::clamp(static_cast<float>(elapsed_us) * 1e-6F, kShortestStep, kLongestStep);
-}
 
 void Sequence::take_position(const SequencePorts& ports, float dt) {
     const bool good = is_good(ports);
@@ -193,7 +189,7 @@ VehicleStatus Sequence::status() const {
 }
 
 void Sequence::step(SequencePorts& ports) {
-    const float dt = seconds_since_last(ports.now);
+    const float dt = seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
     take_position(ports, dt);
     advance(*ports.params, dt);
     ports.setpoint.publish([&] { return setpoint(*ports.params); });

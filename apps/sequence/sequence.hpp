@@ -19,7 +19,6 @@ class Sequence {
   private:
     enum class Phase { kWait, kSpoolUp, kClimb, kApproach, kHover, kLand, kDone };
 
-    float seconds_since_last(uint64_t now_us);
     void take_position(const SequencePorts& ports, float dt);
     void begin(Phase phase);
     void begin_landing(const SequenceParams& params);

@@ -1,6 +1,8 @@
 // Smooth motion to goals or by sticks.
 #include "trajectory.hpp"
 
+#include "stator/elapsed.hpp"
+
 namespace stator {
 
 using math::Vector3;
@@ -57,12 +59,6 @@ bool is_finite(const Leg& leg) {
 }
 
 }  // namespace
-
-float Trajectory::seconds_since_last(uint64_t now_us) {
-    const auto elapsed_us = static_cast<int32_t>(now_us - last_us_);
-    last_us_ = now_us;
-    return math::clamp(static_cast<float>(elapsed_us) * 1e-6F, kShortestStep, kLongestStep);
-}
 
 Trajectory::Task Trajectory::task_of(const TrajectoryPorts& ports) {
     using Nav = VehicleStatus::NavState;
@@ -208,7 +204,7 @@ TrajectorySetpoint Trajectory::setpoint(const TrajectoryPorts& ports) const {
 }
 
 void Trajectory::step(TrajectoryPorts& ports) {
-    const float dt = seconds_since_last(ports.now);
+    const float dt = seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
     task_ = task_of(ports);
     if (task_ != Task::kGoal) {
         has_goal_ = false;

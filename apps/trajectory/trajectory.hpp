@@ -18,7 +18,6 @@ class Trajectory {
   private:
     enum class Task { kFollow, kGoal, kSpeeds, kHeightOnly, kSink };
 
-    float seconds_since_last(uint64_t now_us);
     static Task task_of(const TrajectoryPorts& ports);
     void follow_estimate(const TrajectoryPorts& ports);
     void take_goal(const GotoSetpoint& goal, const TrajectoryParams& params);

@@ -193,6 +193,52 @@ TEST_F(AttitudeControlTest, sticks_that_are_not_heard_or_not_asked_do_nothing) {
     EXPECT_LT(math::norm(rates_at(Quaternion<float>::Identity())), 1e-5F);
 }
 
+// The setpoint is as from a node that wants no thrust, or nothing; 125 steps are 0.5 s at 250 Hz.
+TEST_F(AttitudeControlTest, by_hand_the_thrust_stays_while_the_sticks_are_not_heard) {
+    using Nav = VehicleStatus::NavState;
+    const Quaternion<float> q_NB = euler(0.0F, 0.0F, 1.0F);
+    status_.arming_state = VehicleStatus::ArmingState::kArmed;
+    for (const float thrust : {0.0F, math::canonical_nan<float>()}) {
+        for (const Nav mode : {Nav::kStabilized, Nav::kManual}) {
+            setpoint_.thrust_body[2] = thrust;
+            status_.nav_state = mode;
+            sticks_ = {.valid = true, .roll = 0.5F, .yaw = 1.0F, .throttle = 0.2F};
+            rates_at(q_NB);
+            const std::array<float, 3> before = newest_.thrust_body;
+            EXPECT_LT(before[2], -params_.stick_hover);
+            sticks_ = {.valid = false, .throttle = -1.0F};
+            for (int i = 0; i < 125; ++i) {
+                EXPECT_LT(math::norm(rates_at(q_NB)), 1e-5F);
+                EXPECT_EQ(newest_.thrust_body, before) << i;
+            }
+            EXPECT_LT(rates_at(euler(0.2F, 0.0F, 1.0F)).x(), -1.0F);  // level
+        }
+    }
+}
+
+TEST_F(AttitudeControlTest, the_next_mode_ends_the_thrust_that_stayed) {
+    status_ = {.arming_state = VehicleStatus::ArmingState::kArmed,
+               .nav_state = VehicleStatus::NavState::kStabilized};
+    sticks_ = {.valid = true, .throttle = 1.0F};
+    rates_at(Quaternion<float>::Identity());
+    sticks_.valid = false;
+    status_.nav_state = VehicleStatus::NavState::kReturn;
+    rates_at(Quaternion<float>::Identity());
+    EXPECT_EQ(newest_.thrust_body, setpoint_.thrust_body);
+}
+
+TEST_F(AttitudeControlTest, disarmed_by_hand_no_thrust_stays) {
+    status_ = {.arming_state = VehicleStatus::ArmingState::kArmed,
+               .nav_state = VehicleStatus::NavState::kStabilized};
+    sticks_ = {.valid = true, .throttle = 1.0F};
+    setpoint_.thrust_body = {};
+    rates_at(Quaternion<float>::Identity());
+    sticks_.valid = false;
+    status_.arming_state = VehicleStatus::ArmingState::kDisarmed;
+    rates_at(Quaternion<float>::Identity());
+    EXPECT_EQ(newest_.thrust_body[2], 0.0F);
+}
+
 // Wanted is 0.5 along a thrust axis tilted by 0.6; the vehicle is at 0.3 yet: the vertical part of
 // what it gets is that of what was wanted.
 TEST_F(AttitudeControlTest, a_tilt_that_lags_does_not_cost_height) {

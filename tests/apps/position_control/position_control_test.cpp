@@ -332,11 +332,20 @@ TEST_F(PositionControlTest, on_the_ground_it_wants_nothing_until_it_shall_climb)
     EXPECT_GT(thrust(), kHover);
 }
 
+// Not even no thrust, which would cut the motors whenever the sticks are not heard.
 TEST_F(PositionControlTest, by_hand_it_wants_nothing) {
     spool_up();
-    status_.nav_state = VehicleStatus::NavState::kStabilized;
+    for (const auto mode :
+         {VehicleStatus::NavState::kStabilized, VehicleStatus::NavState::kManual}) {
+        status_.nav_state = mode;
+        step();
+        EXPECT_TRUE(math::is_nan(thrust()));
+        EXPECT_TRUE(math::is_nan(newest_.q_d[0]));
+    }
+    status_.arming_state = VehicleStatus::ArmingState::kDisarmed;
     step();
     EXPECT_EQ(thrust(), 0.0F);
+    status_.arming_state = VehicleStatus::ArmingState::kArmed;
     status_.nav_state = VehicleStatus::NavState::kHold;
     steps(11);
     EXPECT_NEAR(thrust(), kHover, 1e-3F);
