@@ -2,8 +2,11 @@
 // prints facts of the run as JSON.
 //
 // Exit status: 0 the run ended, whatever became of the vehicle; 1 a file could not be written
-// whole, or the graph did not come to rest; 2 a wrong argument, a file that cannot be opened, or a
-// machine without the threads; 128 + its number: a signal ended the run.
+// whole, or the graph did not come to rest or has a task that does not end; 2 a wrong argument, a
+// file that cannot be opened, or a machine without the threads; 128 + its number: a signal ended
+// the run.
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -93,20 +96,48 @@ void print_levels(double wall_s) {
     std::printf("]");
 }
 
+bool is_any_level_left() {
+    for (unsigned i = 0; i < program.level_count; ++i) {
+        if (unended_task(i) != nullptr) return true;
+    }
+    return false;
+}
+
+void tell_unrest() {
+    if (!is_any_level_left()) {
+        std::fputs("error: the graph did not come to rest within 1 s\n", stderr);
+    }
+    for (unsigned i = 0; i < program.level_count; ++i) {
+        const Task* const task = unended_task(i);
+        if (task == nullptr) continue;
+        std::fprintf(stderr, "error: task '%s' of level %u does not end\n", task->name,
+                     program.levels[i].priority);
+    }
+}
+
+// Nothing that a task which does not end may be using is closed, or waited for.
+[[noreturn]] void leave(std::FILE* log, std::FILE* truth) {
+    std::fflush(stdout);
+    if (truth != nullptr) std::fflush(truth);
+    if (log != nullptr && ftrylockfile(log) == 0) std::fflush(log);
+    _exit(1);
+}
+
 // One line of JSON, with the keys of a simulated flight.
 void print(const board::RealWorld& world, double wall_s) {
-    TaskCounters sum;
+    std::uint64_t activations = 0;
+    std::uint64_t lost_samples = 0;
     std::uint64_t missed_releases = 0;
     for (unsigned i = 0; i < program.task_count; ++i) {
-        sum.activations += program.tasks[i].counters->activations;
-        sum.lost_samples += program.tasks[i].counters->lost_samples;
+        activations += program.tasks[i].counters->activations;
+        lost_samples += program.tasks[i].counters->lost_samples;
     }
     for (unsigned i = 0; i < program.timer_count; ++i) {
         missed_releases += program.timers[i].state->missed;
     }
     std::printf("{\"activations\": %llu, \"lost_samples\": %llu",
-                static_cast<unsigned long long>(sum.activations),
-                static_cast<unsigned long long>(sum.lost_samples));
+                static_cast<unsigned long long>(activations),
+                static_cast<unsigned long long>(lost_samples));
     std::printf(", \"missed_samples\": %llu, \"missed_releases\": %llu, \"real_time\": %s, ",
                 static_cast<unsigned long long>(world.missed_samples()),
                 static_cast<unsigned long long>(missed_releases),
@@ -124,6 +155,16 @@ void print(const board::RealWorld& world, double wall_s) {
     std::puts("}");
 }
 
+int refuse_world() {
+    std::fputs(
+        "error: cannot start: no thread for the simulated world\n"
+        "hint: allow more threads (ulimit -u) or more memory (ulimit -v)\n",
+        stderr);
+    if (finish()) return 2;
+    tell_unrest();
+    _exit(2);
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -137,13 +178,14 @@ int main(int count, char** arguments) {
     connect(world);
     if (can.interface != nullptr && !connect_can(world, can)) return 2;
     if (!start()) return 2;
-    if (!world.begin()) fail("no thread for the world");
+    if (!world.begin()) return refuse_world();
     const Ending ending = wait_until(options.duration_us);
     const double wall_s = seconds(clock_ns());
     world.end();
     const bool came_to_rest = finish();
-    if (!came_to_rest) std::fputs("error: the graph did not come to rest within 1 s\n", stderr);
+    if (!came_to_rest) tell_unrest();
     print(world, wall_s);
+    if (is_any_level_left()) leave(board::log_storage.file, truth);
     const bool log_written =
         close(options.log, board::log_storage.file, board::log_storage.errors == 0);
     const bool truth_written = close(options.truth, truth, world.truth_is_whole());

@@ -93,8 +93,7 @@ def _programs() -> dict[str, Path]:
         subprocess.run(["g++", "-O2", source, "-o", program, *peer.flags.split()], check=True)
         programs[peer.name] = program
     print(
-        "iceoryx and Cyclone DDS: not measured here; their published figures are in the "
-        "documentation",
+        "iceoryx and Cyclone DDS: not measured here; docs/linux.md has figures from elsewhere",
         file=sys.stderr,
     )
     return programs

@@ -21,6 +21,8 @@ from stator.firmware import build_image
 from stator.flight_arguments import (
     add_flight_arguments,
     flight_options,
+    is_judged,
+    is_recorded,
     is_windy,
     rates_of,
     recording_of,
@@ -105,7 +107,9 @@ def main(arguments: argparse.Namespace) -> int:
             finished,
             log,
             truth,
-            is_recorded=not arguments.no_record,
+            most_s=arguments.duration,
+            judges=is_judged(arguments),
+            is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
         )
     facts |= rates_of(arguments)

@@ -5,11 +5,15 @@ from __future__ import annotations
 import argparse
 import contextlib
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stator.build import RECORDING
 from stator.cli import make_plan, path
 from stator.diagnostics import UserError
 from stator.library import HOME
+
+if TYPE_CHECKING:
+    from stator.plan import Plan
 
 MOST_SEED = 2**64 - 1
 MOST_DURATION_S = 1e6
@@ -100,10 +104,10 @@ def is_windy(arguments: argparse.Namespace) -> bool:
 
 def rates_of(arguments: argparse.Namespace) -> dict[str, object]:
     """What a recording takes as a rule at most, and what the graph's own board can store."""
-    from stator.emit_recording import bytes_per_second, is_recordable, storage_bytes_per_second
+    from stator.emit_recording import bytes_per_second, storage_bytes_per_second
 
     plan = make_plan(str(arguments.graph), None)
-    if arguments.no_record or not is_recordable(plan):
+    if arguments.no_record or not has_logger(plan):
         return {}
     return {
         "recording_bytes_per_s": bytes_per_second(plan),
@@ -139,7 +143,25 @@ def times_of(arguments: argparse.Namespace) -> list[str]:
 
 def recording_of(arguments: argparse.Namespace) -> dict[str, str]:
     """What CMake needs to know of it."""
-    return {} if arguments.no_record else RECORDING
+    return RECORDING if is_recorded(arguments) else {}
+
+
+def is_recorded(arguments: argparse.Namespace) -> bool:
+    return not arguments.no_record and has_logger(make_plan(str(arguments.graph), arguments.board))
+
+
+def has_logger(plan: Plan) -> bool:
+    from stator.emit_recording import is_recordable
+
+    return is_recordable(plan)
+
+
+def is_judged(arguments: argparse.Namespace) -> bool:
+    """Whether something flies that the log tells of."""
+    plan = make_plan(str(arguments.graph), arguments.board)
+    nodes = plan.graph.nodes.values()
+    has_motors = any(node.device == "motors" or node.interface.name == "can_esc" for node in nodes)
+    return has_motors and has_logger(plan)
 
 
 def seed_of(text: str) -> int:

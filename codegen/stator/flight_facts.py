@@ -36,6 +36,7 @@ def facts_of(
     truth: Path,
     mission: Mission | None = None,
     *,
+    most_s: float,
     judges: bool = True,
     in_wind: bool = False,
     is_recorded: bool = False,
@@ -79,7 +80,11 @@ def facts_of(
         facts |= {"preemptions": None, "unrecorded_activations": None}
     if not judges:
         return facts | {"success": True, "reason": "ran to its end"}
-    return facts | _judged(log, truth, run, mission, in_wind=in_wind)
+    facts |= _judged(log, truth, run, mission, in_wind=in_wind)
+    if not facts["success"] and run.get("ended") == "time_limit":
+        cut = f"ended by --duration {most_s:g} s before the flight was over"
+        facts["reason"] = f"{cut}; {facts['reason']}"
+    return facts
 
 
 def _judged(

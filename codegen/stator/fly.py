@@ -17,6 +17,8 @@ from stator.flight_arguments import (
     USUAL_DURATION_S,
     add_flight_arguments,
     flight_options,
+    is_judged,
+    is_recorded,
     is_windy,
     rates_of,
     recording_of,
@@ -86,7 +88,9 @@ def main(arguments: argparse.Namespace) -> int:
             log,
             truth,
             mission,
-            is_recorded=not arguments.no_record,
+            most_s=arguments.duration,
+            judges=is_judged(arguments),
+            is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
         )
     facts |= {"mission": arguments.mission.stem if arguments.mission else None}

@@ -16,6 +16,8 @@ from stator.diagnostics import UserError
 from stator.flight_arguments import (
     add_flight_arguments,
     flight_options,
+    is_judged,
+    is_recorded,
     is_windy,
     rates_of,
     recording_of,
@@ -67,8 +69,9 @@ def main(arguments: argparse.Namespace) -> int:
         finished,
         log,
         truth,
+        most_s=arguments.duration,
         flies=flies,
-        is_recorded=not arguments.no_record,
+        is_recorded=is_recorded(arguments),
         in_wind=is_windy(arguments),
     )
     facts |= rates_of(arguments)
@@ -94,8 +97,7 @@ def _flies(arguments: argparse.Namespace) -> bool:
     if arguments.can is not None and not has_can:
         raise UserError(f"error: {arguments.graph.stem} has no device can1\nhint: leave out --can")
     has_motors = any(task.node.device == "motors" for task in tasks)
-    on_can = any(task.node.interface.name == "can_esc" for task in tasks)
-    return has_motors or (on_can and not arguments.no_can_parts)
+    return is_judged(arguments) and (has_motors or not arguments.no_can_parts)
 
 
 def _run(
@@ -129,12 +131,19 @@ def _facts(
     log: Path,
     truth: Path,
     *,
+    most_s: float,
     flies: bool,
     is_recorded: bool,
     in_wind: bool,
 ) -> dict[str, Any]:
     facts: dict[str, Any] = facts_of(
-        finished, log, truth, judges=flies, is_recorded=is_recorded, in_wind=in_wind
+        finished,
+        log,
+        truth,
+        most_s=most_s,
+        judges=flies,
+        is_recorded=is_recorded,
+        in_wind=in_wind,
     )
     if finished.returncode < 0:
         return facts

@@ -3,9 +3,13 @@
 
 #include <pthread.h>
 
+#include <ctime>
+
 #include "stator/pthread.hpp"
 
 namespace stator {
+
+inline constexpr timespec kPollPeriod{.tv_sec = 0, .tv_nsec = 200'000};
 
 // --- permission.cpp ---
 
@@ -41,8 +45,10 @@ void wait_at_gate();
 void open_gate();  // time begins
 void drop_pending();
 void stop_releases();
-bool is_any_level_busy();  // two looks: true unless all slept in between
-void end_level(unsigned level);
+bool is_any_level_busy();         // two looks: true unless all slept in between
+void stop_level(unsigned level);  // once its task has ended
+// False if it has not ended at time `end_us`: then its thread stays.
+[[nodiscard]] bool join_level(unsigned level, uint64_t end_us);
 
 // --- line.cpp ---
 

@@ -54,7 +54,9 @@ void futex_wake(std::atomic<uint32_t>& word, int count) {
 class LevelThread {
   public:
     bool create(unsigned level);
+    bool has_ended() const { return has_ended_.load(std::memory_order_acquire); }
     void join() { pthread_join(thread_, nullptr); }
+    const Task* running() const { return running_.load(std::memory_order_relaxed); }
     const LevelFacts& facts() const { return facts_; }
     uint64_t sleeps() const { return sleeps_.load(); }
 
@@ -70,6 +72,8 @@ class LevelThread {
     std::atomic<uint32_t>* word_ = nullptr;
     LevelFacts facts_;
     std::atomic<uint64_t> sleeps_{0};
+    std::atomic<const Task*> running_{nullptr};
+    std::atomic<bool> has_ended_{false};
 };
 std::array<LevelThread, kMostLevels> threads;
 
@@ -95,15 +99,16 @@ void LevelThread::run() {
     for (;;) {
         const uint64_t next_us = release_due();
         const uint32_t bits = word_->load(std::memory_order_relaxed);
+        // First, as tasks may pend each other for ever.
+        if ((bits & kStop) != 0) break;
         if ((bits & kTaskBits) != 0) {
             run_task(static_cast<unsigned>(std::countr_zero(bits)));
-        } else if ((bits & kStop) != 0) {
-            break;
         } else {
             sleep(next_us);
         }
     }
     facts_.cpu_ns = thread_cpu_ns();
+    has_ended_.store(true, std::memory_order_release);
 }
 
 // Pends what is due, and returns when the next release is. A level that was late makes all releases
@@ -130,8 +135,10 @@ void LevelThread::run_task(unsigned index) {
     // what was published before the bit was set. Relaxed, or cleared after the run, loses samples.
     word_->fetch_and(~(1U << index), std::memory_order_acquire);
     const Task& task = program.tasks[level_->first_task + index];
+    running_.store(&task, std::memory_order_relaxed);
     task.run();
     for (unsigned i = 0; i < task.line_count; ++i) task.lines[i]->finish_activation();
+    running_.store(nullptr, std::memory_order_relaxed);
 }
 
 // The word goes to 0 only if nothing but kAwake is set; whoever sets a bit from then on finds 0 and
@@ -206,14 +213,26 @@ bool is_any_level_busy() {
     return false;
 }
 
-void end_level(unsigned level) {
+void stop_level(unsigned level) {
     pending_words[level].bits.fetch_or(kStop);
     wake_level(level);
+}
+
+bool join_level(unsigned level, uint64_t end_us) {
+    while (!threads[level].has_ended()) {
+        if (clock_us() >= end_us) return false;
+        nanosleep(&kPollPeriod, nullptr);
+    }
     threads[level].join();
+    return true;
 }
 
 LevelFacts facts_of_level(unsigned level) {
-    return threads[level].facts();
+    return threads[level].has_ended() ? threads[level].facts() : LevelFacts{};
+}
+
+const Task* unended_task(unsigned level) {
+    return threads[level].has_ended() ? nullptr : threads[level].running();
 }
 
 }  // namespace stator

@@ -25,7 +25,6 @@ namespace {
 
 constexpr uint64_t kLongestEnd_us = 1'000'000;
 constexpr uint64_t kWatchPeriod_us = 5'000;
-constexpr timespec kPollPeriod{.tv_sec = 0, .tv_nsec = 200'000};
 
 int signals = -1;
 int stops = -1;  // an event
@@ -36,12 +35,17 @@ bool refuse(const char* what) {
     return false;
 }
 
-// Blocked in all threads that are made from here on; `wait_until` hears them.
-bool take_signals() {
+sigset_t ending_signals() {
     sigset_t ending;
     sigemptyset(&ending);
     sigaddset(&ending, SIGINT);
     sigaddset(&ending, SIGTERM);
+    return ending;
+}
+
+// Blocked in all threads that are made from here on; `wait_until` hears them.
+bool take_signals() {
+    const sigset_t ending = ending_signals();
     pthread_sigmask(SIG_BLOCK, &ending, nullptr);
     signals = signalfd(-1, &ending, SFD_CLOEXEC | SFD_NONBLOCK);
     stops = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
@@ -66,13 +70,23 @@ Mutex::Mutex() {
 
 namespace {
 
+// False if a task has not ended at time `end_us`.
+bool end_levels(unsigned count, uint64_t end_us) {
+    for (unsigned level = 0; level < count; ++level) stop_level(level);
+    bool all_ended = true;
+    for (unsigned level = 0; level < count; ++level) {
+        all_ended = join_level(level, end_us) && all_ended;
+    }
+    return all_ended;
+}
+
 // What there is of threads ends without having run a task.
 bool cancel(unsigned levels, const char* what) {
     refuse(what);
     stop_releases();
     drop_pending();
     open_gate();
-    for (unsigned level = 0; level < levels; ++level) end_level(level);
+    static_cast<void>(end_levels(levels, UINT64_MAX));
     return false;
 }
 
@@ -128,11 +142,28 @@ bool wait_until_idle(uint64_t longest_us) {
     return true;
 }
 
+namespace {
+
+// Those that came since the first one are forgotten; the next does what it does to any program.
+void give_signals_back() {
+    signalfd_siginfo info{};
+    while (read(signals, &info, sizeof info) == sizeof info) {
+    }
+    const sigset_t ending = ending_signals();
+    pthread_sigmask(SIG_UNBLOCK, &ending, nullptr);
+}
+
+}  // namespace
+
 bool finish() {
     stop_lines();
     stop_releases();
     const bool came_to_rest = wait_until_idle(kLongestEnd_us);
-    for (unsigned level = 0; level < program.level_count; ++level) end_level(level);
+    const bool all_ended = end_levels(program.level_count, clock_us() + kLongestEnd_us);
+    if (!all_ended) {
+        give_signals_back();
+        return false;  // a task that is left may still call `stop`
+    }
     close(signals);
     close(stops);
     return came_to_rest;

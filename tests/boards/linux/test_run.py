@@ -17,9 +17,12 @@ from pyulog import ULog
 
 from stator.build import build
 from stator.cli import main
+from stator.flight import read_truth
 from stator.library import HOME
 
 QUAD = HOME / "graph" / "quad.yaml"
+GRAPHS = Path(__file__).parent / "graph"
+MOST_S = 120  # until a program that hangs is killed
 COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator", "run"]
 
 
@@ -41,7 +44,9 @@ def test_a_short_run_is_told_in_full(tmp_path: Path) -> None:
     log = tmp_path / "short.ulg"
     status, facts = run("--duration", "1.5", "-o", str(log))
     assert status == 1
-    assert facts["reason"].startswith("never took off")
+    cut, why = facts["reason"].split("; ")
+    assert cut == "ended by --duration 1.5 s before the flight was over"
+    assert why.startswith("never took off")
     assert facts["board"] == "linux"
     assert facts["duration_s"] >= 1.5
     assert facts["activations"] > 100
@@ -89,6 +94,79 @@ def test_a_signal_ends_it_in_order(program: Path, tmp_path: Path, number: int) -
     running = subprocess.run(["pgrep", "-f", str(log)], capture_output=True, check=False)
     assert running.returncode == 1, "something was left"
     assert os.access(program, os.X_OK)
+
+
+def test_a_task_that_does_not_end_is_named_and_left(tmp_path: Path) -> None:
+    endless = build(GRAPHS / "endless.yaml", "linux", executor="pthread")
+    log, truth = tmp_path / "endless.ulg", tmp_path / "endless.truth"
+    finished = subprocess.run(
+        [endless, "--duration", "1", "--log", log, "--truth", truth],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=MOST_S,
+    )
+    assert finished.returncode == 1
+    assert finished.stderr == "error: task 'endless' of level 5 does not end\n"
+    facts = json.loads(finished.stdout)
+    assert facts["activations"] > 3
+    assert [level["cpu_s"] > 0 for level in facts["levels"]] == [False, True, True]
+    counts = ULog(str(log)).get_dataset("count").data["value"]
+    assert list(counts)[:1] == [1]
+    assert read_truth(truth).time_s[-1] > 0.5
+
+
+def test_a_graph_without_a_logger_runs_to_its_end(tmp_path: Path) -> None:
+    for more in ([], ["--no-record"]):
+        status, facts = run(
+            str(GRAPHS / "no_logger.yaml"), "--duration", "0.5", "-o", str(tmp_path / "log"), *more
+        )
+        assert (status, facts["success"], facts["reason"]) == (0, True, "ran to its end")
+        assert facts["recording"] is None
+
+
+# The n-th thread of the process is refused, as by a machine that has no more of them.
+REFUSING = """
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <pthread.h>
+#include <stdlib.h>
+int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*),
+                   void* argument) {
+    static int count = 0;
+    if (++count == atoi(getenv("REFUSED_THREAD"))) return errno = EAGAIN;
+    int (*create)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*) =
+        dlsym(RTLD_NEXT, "pthread_create");
+    return create(thread, attributes, run, argument);
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("number", "what"),
+    [
+        (1, "the thread of a level: "),
+        (2, "the thread of lines: "),
+        (3, "no thread for the simulated world\nhint: "),
+    ],
+)
+def test_threads_that_are_missing_are_told(tmp_path: Path, number: int, what: str) -> None:
+    """Of a graph with one level."""
+    program = build(GRAPHS / "no_logger.yaml", "linux", executor="pthread")
+    source, refusing = tmp_path / "refusing.c", tmp_path / "refusing.so"
+    source.write_text(REFUSING, encoding="utf-8")
+    subprocess.run(["cc", "-shared", "-fPIC", source, "-o", refusing], check=True)
+    finished = subprocess.run(
+        [program, "--duration", "1"],
+        env={**os.environ, "LD_PRELOAD": str(refusing), "REFUSED_THREAD": str(number)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=MOST_S,
+    )
+    assert (finished.returncode, finished.stdout) == (2, "")
+    assert finished.stderr.startswith(f"error: cannot start: {what}")
 
 
 def test_a_board_of_another_executor_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -77,8 +77,19 @@ def test_flight_that_is_cut_short_fails_and_says_why(tmp_path: Path) -> None:
     finished = fly("--duration", "10", "-o", tmp_path / "flight.ulg")
     assert finished.returncode == 1
     assert "quad on sitl, seed 1: FAILED" in finished.stdout
-    assert "why       not landed and disarmed: at 10.00 s it was in " in finished.stdout
+    why = "why       ended by --duration 10 s before the flight was over\n"
+    assert f"{why}            not landed and disarmed: at 10.00 s it was in " in finished.stdout
     assert str(tmp_path / "flight.ulg") in finished.stdout
+
+
+def test_a_graph_without_a_logger_ends_at_its_end(tmp_path: Path) -> None:
+    graph = ROOT / "graph" / "examples" / "timer.yaml"
+    finished = fly(graph, "--duration", "1", "-o", tmp_path / "timer.ulg", "--json")
+    facts = facts_of(finished)
+    assert (finished.returncode, facts["reason"]) == (0, "ran to its end")
+    assert facts["recording"] is None
+    # 2 ms after the start, and each 10 ms.
+    assert facts["activations"] == 100
 
 
 def test_report_names_every_limit(tmp_path: Path) -> None:

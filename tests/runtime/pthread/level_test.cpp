@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "internal.hpp"
 #include "program.hpp"
 
 namespace stator {
@@ -136,19 +137,37 @@ TEST_F(LevelTest, a_task_ends_the_wait) {
 
 // Self-made: a task that pends itself for ever. The end comes all the same, and says so.
 TEST_F(LevelTest, what_does_not_come_to_rest_is_told) {
-    std::atomic<bool> goes_on{true};
-    jobs[5] = [&] {
-        if (goes_on) set_pending(kPends[5]);
+    jobs[5] = [] {
+        set_pending(kPends[5]);
         sleep_until_us(clock_us() + 100);
     };
     set_pending(kPends[5]);
     ASSERT_TRUE(start());
-    std::thread later([&] {
-        sleep_until_us(clock_us() + 1'500'000);
-        goes_on = false;
-    });
     EXPECT_FALSE(finish());
-    later.join();
+    for (unsigned level = 0; level < 3; ++level) EXPECT_EQ(unended_task(level), nullptr);
+}
+
+// What a task that does not end leaves: its name, the other levels' end, and a process that signals
+// end again.
+TEST_F(LevelTest, a_task_that_does_not_end_is_left_and_named) {
+    std::atomic<bool> goes_on{true};
+    jobs[2] = [&] {
+        while (goes_on) sleep_until_us(clock_us() + 100);
+    };
+    set_pending(kPends[2]);
+    ASSERT_TRUE(start());
+    EXPECT_FALSE(finish());
+    EXPECT_EQ(unended_task(0), nullptr);
+    ASSERT_NE(unended_task(1), nullptr);
+    EXPECT_STREQ(unended_task(1)->name, "driver");
+    EXPECT_EQ(unended_task(2), nullptr);
+    sigset_t blocked;
+    pthread_sigmask(SIG_BLOCK, nullptr, &blocked);
+    EXPECT_EQ(sigismember(&blocked, SIGINT), 0);
+    EXPECT_EQ(sigismember(&blocked, SIGTERM), 0);
+    goes_on = false;
+    EXPECT_TRUE(join_level(1, testing::kForever_us));
+    EXPECT_EQ(unended_task(1), nullptr);
 }
 
 }  // namespace

@@ -1,0 +1,13 @@
+#include "endless.hpp"
+
+namespace stator {
+
+void Endless::step(EndlessPorts& ports) {
+    const uint32_t counted = counted_ + 1;
+    counted_ = counted;
+    ports.count.publish([&] { return Count{.timestamp_sample = ports.now, .value = counted}; });
+    while (counted_ >= 3) {
+    }
+}
+
+}  // namespace stator
