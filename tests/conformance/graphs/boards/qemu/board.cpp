@@ -50,6 +50,10 @@ void tim2_interrupt() {
     if (++time_ms * 1000 >= trace::kEnd_us) semihosting::exit(0);
 }
 
+extern const TickSource kTickSource{1'000'000, 1, 1};
+uint32_t ticks() {
+    return Clock().us();
+}
 void make_safe() {}
 void kick_watchdog() {}
 void report(const FaultRecord& record) {
