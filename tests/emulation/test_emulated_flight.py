@@ -11,6 +11,7 @@ from tests.emulation.firmware_tools import needs_emulator
 from stator import cli
 from stator.build import build, build_plant
 from stator.emulate import FIFOS, Emulator, fly
+from stator.fault_record import in_words
 from stator.library import HOME
 
 QUAD = HOME / "graph" / "quad.yaml"
@@ -93,7 +94,8 @@ def test_a_plant_that_ends_ends_the_flight(emulator: Emulator, tmp_path: Path) -
     plant = ["sh", "-c", f"head -c 1000 {FIFOS[0]} >heard & sleep 0.2; : >{FIFOS[1]}; wait"]
     finished = fly(emulator, image, plant, tmp_path / "flight.ulg")
     assert finished.returncode != 0
-    assert "stator: the plant is gone" in finished.stderr
+    words = in_words(finished.stderr, cli.make_plan(str(QUAD), "qemu_f405"), image)
+    assert "the plant is gone" in words, words
 
 
 def test_a_plant_that_never_starts_ends_the_flight(emulator: Emulator, tmp_path: Path) -> None:
