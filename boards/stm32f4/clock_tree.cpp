@@ -1,3 +1,4 @@
+// Oscillators, PLL, bus dividers, wait states, in the order that the manual wants.
 #include "clock_tree.hpp"
 
 #include "wait.hpp"

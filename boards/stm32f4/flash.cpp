@@ -1,3 +1,4 @@
+// Unlocks, erases or programs, waits, and locks again.
 #include "flash.hpp"
 
 #include "wait.hpp"
