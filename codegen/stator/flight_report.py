@@ -134,8 +134,10 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         rows += picture_row(facts)
         rows.append(("next", "the same command flies the same flight again"))
         return rows
-    log = shown_path(Path(str(facts["log"])))
-    rows.append(("next", f"./stator plot {log} draws it"))
+    file = Path(str(facts["log"]))
+    log = shown_path(file)
+    if file.stat().st_size:  # a graph without a logger leaves it empty
+        rows.append(("next", f"./stator plot {log} draws it"))
     if facts["recording"] is not None:
         rows.append(("next", f"./stator replay {log} repeats it bit for bit"))
     return rows
