@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <string_view>
 
 namespace stator::board {
 
@@ -23,29 +22,6 @@ int open_socket() {
 }
 
 }  // namespace
-
-bool take_can_options(int& count, char** arguments, CanOptions& options) {
-    int kept = 1;
-    for (int i = 1; i < count; i += 2) {
-        const std::string_view name = arguments[i];
-        const char* const value = i + 1 < count ? arguments[i + 1] : "";
-        if (name == "--can") {
-            options.interface = value;
-        } else if (name == "--can-parts") {
-            const std::string_view word = value;
-            if (word != "yes" && word != "no") {
-                std::fprintf(stderr, "error: --can-parts '%s': wanted is yes or no\n", value);
-                return false;
-            }
-            options.has_parts = word == "yes";
-        } else {
-            arguments[kept++] = arguments[i];
-            if (i + 1 < count) arguments[kept++] = arguments[i + 1];
-        }
-    }
-    count = kept;
-    return true;
-}
 
 bool is_can_interface(const char* interface) {
     const int descriptor = open_socket();

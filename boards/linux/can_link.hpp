@@ -6,14 +6,6 @@
 
 namespace stator::board {
 
-struct CanOptions {
-    const char* interface = nullptr;  // none: no bus
-    bool has_parts = true;            // motor controllers and a satellite receiver are simulated
-};
-
-// Takes --can INTERFACE and --can-parts yes|no out of the arguments. False after one line on the
-// standard error output that says what is wrong.
-[[nodiscard]] bool take_can_options(int& count, char** arguments, CanOptions& options);
 // False after one line that says why there is no such bus.
 [[nodiscard]] bool is_can_interface(const char* interface);
 

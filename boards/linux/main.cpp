@@ -15,6 +15,7 @@
 #include "flight_facts.hpp"
 #include "options.hpp"
 #include "real_world.hpp"
+#include "run_options.hpp"
 
 namespace {
 
@@ -55,15 +56,15 @@ void connect(board::RealWorld& world) {
     };
 }
 
-[[nodiscard]] bool connect_can(board::RealWorld& world, const board::CanOptions& can) {
-    if (!board::is_can_interface(can.interface)) return false;
-    board::can1.interface = can.interface;
+[[nodiscard]] bool connect_can(board::RealWorld& world, const board::RunOptions& run) {
+    if (!board::is_can_interface(run.can_interface)) return false;
+    board::can1.interface = run.can_interface;
     board::can1.watch = [](int descriptor) {
         if (!board::can1_received.watch(descriptor)) fail("cannot wait for the CAN socket");
     };
     board::can1.unwatch = [] { board::can1_received.unwatch(); };
-    if (!can.has_parts || world.connect_can_parts(can.interface)) return true;
-    std::fprintf(stderr, "error: cannot use '%s': %s\n", can.interface, std::strerror(errno));
+    if (!run.has_can_parts || world.connect_can_parts(run.can_interface)) return true;
+    std::fprintf(stderr, "error: cannot use '%s': %s\n", run.can_interface, std::strerror(errno));
     return false;
 }
 
@@ -169,15 +170,15 @@ int refuse_world() {
 
 int main(int count, char** arguments) {
     board::Options options;
-    board::CanOptions can;
+    board::RunOptions run;
     std::FILE* truth = nullptr;
-    if (!board::take_can_options(count, arguments, can)) return 2;
+    if (!board::take_run_options(count, arguments, run)) return 2;
     if (!board::parse(count, arguments, options)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
     board::RealWorld world(options.conditions, truth);
     connect(world);
-    if (can.interface != nullptr && !connect_can(world, can)) return 2;
-    if (!start()) return 2;
+    if (run.can_interface != nullptr && !connect_can(world, run)) return 2;
+    if (!start(run.settings)) return 2;
     if (!world.begin()) return refuse_world();
     const Ending ending = wait_until(options.duration_us);
     const double wall_s = seconds(clock_ns());

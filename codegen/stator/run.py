@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 NOT_RUN = 2
 SIGNALLED = 128  # and the number of the signal
+MOST_CPUS = 64
 OWN_FACTS = ("missed_samples", "missed_releases", "real_time", "not_allowed", "levels")
 
 
@@ -44,6 +45,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="the motor controllers and the receiver on the CAN bus are real: simulate none",
     )
+    parser.add_argument(
+        "--cpus",
+        type=cpus_of,
+        metavar="LIST",
+        help="the processors that the graph may use, such as 1 or 0,2-3 (default: all)",
+    )
+
+
+def cpus_of(text: str) -> int:
+    """A list of processors as the system's tools write it, as a mask."""
+    mask = 0
+    for part in text.split(","):
+        first, dash, last = part.partition("-")
+        ends = [first, last if dash else first]
+        if not all(end.isascii() and end.isdigit() and int(end) < MOST_CPUS for end in ends):
+            raise argparse.ArgumentTypeError(
+                f"'{text}' is no list of processors from 0 to {MOST_CPUS - 1}, such as 0,2-3"
+            )
+        mask |= sum(1 << cpu for cpu in range(int(ends[0]), int(ends[1]) + 1))
+    if mask == 0:
+        raise argparse.ArgumentTypeError(f"'{text}' names no processor")
+    return mask
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -109,6 +132,8 @@ def _run(
     if arguments.can is not None:
         parts = "no" if arguments.no_can_parts else "yes"
         command += ["--can", arguments.can, "--can-parts", parts]
+    if arguments.cpus is not None:
+        command += ["--cpus", f"{arguments.cpus:x}"]
     before = {}
     pipe = subprocess.PIPE
     with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process:

@@ -96,6 +96,33 @@ def test_a_signal_ends_it_in_order(program: Path, tmp_path: Path, number: int) -
     assert os.access(program, os.X_OK)
 
 
+def test_the_threads_stay_on_the_processors_that_were_given(tmp_path: Path) -> None:
+    """All but the main one, which only waits."""
+    command = [*COMMAND, str(GRAPHS / "no_logger.yaml"), "--duration", "100", "--cpus", "0"]
+    with subprocess.Popen([*command, "-o", str(tmp_path / "log")]) as process:
+        threads: list[str] = []
+        while len(threads) < 4:  # main, a level, lines, the world
+            time.sleep(0.05)
+            found = subprocess.run(
+                ["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=False
+            )
+            tasks = [Path(f"/proc/{pid}/task") for pid in found.stdout.split()]
+            threads = [str(thread) for task in tasks for thread in task.glob("*")]
+        allowed = [Path(f"{thread}/status").read_text(encoding="ascii") for thread in threads]
+        process.send_signal(signal.SIGINT)
+    assert ["Cpus_allowed_list:\t0\n" in text for text in allowed].count(False) <= 1
+
+
+@pytest.mark.parametrize("cpus", ["", "0-", "a", "1,,2", "64", "3-1", "-1"])
+def test_what_is_no_list_of_processors_is_refused(
+    cpus: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as refused:
+        main(["run", "--cpus", cpus])
+    assert refused.value.code == 2
+    assert "processor" in capsys.readouterr().err
+
+
 def test_a_task_that_does_not_end_is_named_and_left(tmp_path: Path) -> None:
     endless = build(GRAPHS / "endless.yaml", "linux", executor="pthread")
     log, truth = tmp_path / "endless.ulg", tmp_path / "endless.truth"
