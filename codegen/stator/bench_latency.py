@@ -1,5 +1,5 @@
 """`./stator bench latency`: from publication to reception between two threads, beside two bare
-threads that hand over by a futex, and beside LCM and ROS 1 where they are installed.
+threads that hand over by a futex, and beside LCM, iceoryx and ROS 1 where they are installed.
 
 All are measured in turns, round by round, at 1 kHz with 64 bytes; figures are medians of rounds.
 """
@@ -10,10 +10,8 @@ import contextlib
 import json
 import os
 import shutil
-import socket
 import subprocess
 import sys
-import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -33,11 +31,12 @@ Rows: TypeAlias = NDArray[np.int64]  # call_ns and latency_ns of each sample; 0:
 ROUNDS = 20
 OTHER_ROUNDS = 5  # of what is only drawn
 SAMPLES = 1000  # of a round
-TASKS_S = 10.0
+TASKS_S = 60.0
 FOLDER = HOME / "build" / "bench"
 SOURCES = HOME / "tests" / "bench" / "latency"
 PICTURE = FOLDER / "latency.png"
 ROS_PORT = 11923
+ONE_CPU = "Stator on one processor"  # both levels
 
 
 @dataclass(frozen=True)
@@ -49,23 +48,35 @@ class Peer:
     header: str
     flags: str
     package: str
-    needs: list[str] = field(default_factory=list)
+    daemon: list[str] = field(default_factory=list)  # beside every round; its log is not shown
 
 
-LCM = Peer("LCM", "lcm", "/usr/include/lcm/lcm.h", "-std=c++20 -llcm", "liblcm-dev")
-ROS = Peer(
-    "ROS 1",
-    "ros",
-    "/usr/include/ros/ros.h",
-    "-std=c++17 -lroscpp -lroscpp_serialization -lrosconsole -lrostime -lboost_system -lcpp_common",
-    "libroscpp-dev libstd-msgs-dev python3-rosmaster",
-    ["rosmaster"],
-)
+ICEORYX_HEADERS = "/usr/include/iceoryx/v2.0.3"
+PEERS = [
+    Peer("LCM", "lcm", "/usr/include/lcm/lcm.h", "-std=c++20 -llcm", "liblcm-dev"),
+    Peer(
+        "iceoryx",
+        "iceoryx",
+        f"{ICEORYX_HEADERS}/iceoryx_posh/popo/publisher.hpp",
+        f"-std=c++20 -I{ICEORYX_HEADERS} -liceoryx_posh -liceoryx_hoofs -liceoryx_platform",
+        "libiceoryx-posh-dev iceoryx",
+        ["iox-roudi", "-l", "off"],
+    ),
+    Peer(
+        "ROS 1",
+        "ros",
+        "/usr/include/ros/ros.h",
+        "-std=c++17 -lroscpp -lroscpp_serialization -lrosconsole -lrostime -lboost_system "
+        "-lcpp_common",
+        "libroscpp-dev libstd-msgs-dev python3-rosmaster",
+        ["rosmaster", "--core", "-p", str(ROS_PORT)],
+    ),
+]
 
 
 def measure() -> list[Figure]:
     programs = _programs()
-    with _ros_master():
+    with _daemons(programs):
         rounds = _in_turns(programs)
     picture = _draw(programs, rounds)
     print(f"latency: histograms are in {picture}", file=sys.stderr)
@@ -82,9 +93,9 @@ def _programs() -> dict[str, Path]:
         "bare threads": built / "futex_handover",
         "tasks": built / "many_tasks",
     }
-    for peer in (LCM, ROS):
+    for peer in PEERS:
         if not Path(peer.header).is_file() or any(
-            shutil.which(name) is None for name in peer.needs
+            shutil.which(name) is None for name in peer.daemon[:1]
         ):
             print(f"{peer.name}: skipped; apt-get install {peer.package}", file=sys.stderr)
             continue
@@ -92,36 +103,27 @@ def _programs() -> dict[str, Path]:
         source = SOURCES / "peers" / f"{peer.source}_handover.cpp"
         subprocess.run(["g++", "-O2", source, "-o", program, *peer.flags.split()], check=True)
         programs[peer.name] = program
-    print(
-        "iceoryx and Cyclone DDS: not measured here; docs/linux.md has figures from elsewhere",
-        file=sys.stderr,
-    )
     return programs
 
 
 @contextlib.contextmanager
-def _ros_master() -> Iterator[None]:
-    if shutil.which("rosmaster") is None:
+def _daemons(programs: dict[str, Path]) -> Iterator[None]:
+    """Those that the peers cannot do without."""
+    os.environ.update(
+        ROS_IP="127.0.0.1",
+        ROS_HOME=str(FOLDER / "ros"),
+        ROS_MASTER_URI=f"http://127.0.0.1:{ROS_PORT}",
+    )
+    with contextlib.ExitStack() as daemons:
+        for peer in PEERS:
+            if not peer.daemon or peer.name not in programs:
+                continue
+            quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+            daemon = daemons.enter_context(
+                subprocess.Popen(peer.daemon, **quiet)  # type: ignore[call-overload]
+            )
+            daemons.callback(daemon.terminate)
         yield
-        return
-    here = {"ROS_IP": "127.0.0.1", "ROS_HOME": str(FOLDER / "ros")}
-    os.environ.update(here, ROS_MASTER_URI=f"http://127.0.0.1:{ROS_PORT}")
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    with subprocess.Popen(
-        ["rosmaster", "--core", "-p", str(ROS_PORT)],
-        **quiet,  # type: ignore[call-overload]
-    ) as master:
-        try:
-            for _ in range(100):
-                with (
-                    contextlib.suppress(OSError),
-                    socket.create_connection(("127.0.0.1", ROS_PORT)),
-                ):
-                    break
-                time.sleep(0.1)
-            yield
-        finally:
-            master.terminate()
 
 
 def _run(program: Path, *options: str) -> Rows:
@@ -147,6 +149,7 @@ def _in_turns(programs: dict[str, Path]) -> dict[str, list[Rows]]:
         print(f"\rlatency: round {number + 1} of {ROUNDS}", end="", file=sys.stderr)
         for name in names:
             rounds[name].append(_run(programs[name]))
+        rounds.setdefault(ONE_CPU, []).append(_run(programs["Stator"], "--one-cpu"))
     print(file=sys.stderr)
     return rounds
 
@@ -160,6 +163,10 @@ def _quantiles(rounds: list[Rows], column: int, percent: float) -> NDArray[np.fl
     return np.array([np.percentile(values, percent) for values in taken if values.size]) * 1e-3
 
 
+def _peers_of(rounds: dict[str, list[Rows]]) -> list[str]:
+    return [peer.name for peer in PEERS if peer.name in rounds]
+
+
 def _handover(rounds: dict[str, list[Rows]]) -> list[Figure]:
     figures = []
     for percent in (50, 99):
@@ -168,21 +175,21 @@ def _handover(rounds: dict[str, list[Rows]]) -> list[Figure]:
         bound = f"bare threads: {np.median(bare):.3g} ({bare.min():.3g} to {bare.max():.3g})"
         what = f"publication to reception, p{percent}"
         figures.append(Figure(what, own, "us", bound, own <= float(bare.max())))
-        for name in ("LCM", "ROS 1"):
-            if name in rounds:
-                other = float(np.median(_quantiles(rounds[name], 1, percent)))
-                ahead = f"{name} across processes, p{percent}"
-                figures.append(Figure(ahead, other, "us", f"more than {own:.3g}", own < other))
+        for name in _peers_of(rounds):
+            other = float(np.median(_quantiles(rounds[name], 1, percent)))
+            ahead = f"{name} across processes, p{percent}"
+            figures.append(Figure(ahead, other, "us", f"more than {own:.3g}", own < other))
+        one_cpu = float(np.median(_quantiles(rounds[ONE_CPU], 1, percent)))
+        figures.append(Figure(f"{ONE_CPU}, p{percent}", one_cpu, "us", "for comparison", True))
     bare_call = float(np.median(_quantiles(rounds["bare threads"], 0, 50))) * 1e3
     call = float(np.median(_quantiles(rounds["Stator"], 0, 50))) * 1e3
     most = f"bare futex {bare_call:.0f} + 50"
     figures.append(
         Figure("one publish, subscriber woken", call, "ns", most, call <= bare_call + 50)
     )
-    for name in ("LCM", "ROS 1"):
-        if name in rounds:
-            other = float(np.median(_quantiles(rounds[name], 0, 50))) * 1e3
-            figures.append(Figure(f"one publish, {name}", other, "ns", "for comparison", True))
+    for name in (*_peers_of(rounds), ONE_CPU):
+        other = float(np.median(_quantiles(rounds[name], 0, 50))) * 1e3
+        figures.append(Figure(f"one publish, {name}", other, "ns", "for comparison", True))
     lost = sum(int((rows[:, 1] == 0).sum()) for rows in rounds["Stator"])
     total = sum(len(rows) for rows in rounds["Stator"])
     figures.append(Figure(f"samples lost, of {total}", lost, "", "each is counted", True))
@@ -203,24 +210,42 @@ def _calls() -> list[Figure]:
 
 
 def _tasks(program: Path) -> list[Figure]:
-    """8 levels, 200 tasks, 1 kHz."""
-    facts = {}
-    for option in ([], ["--threads"]):
-        command = [str(program), f"{TASKS_S:g}", *option]
-        finished = subprocess.run(command, check=True, capture_output=True, text=True)
-        facts[bool(option)] = json.loads(finished.stdout)
-    levels, threads = facts[False], facts[True]
+    """8 levels, 200 tasks, 1 kHz: all due at once, as graphs have it unless they say otherwise, and
+    each at a time of its own, which is a wake-up each."""
+    return [
+        *_tasks_at(program, "all due at once"),
+        *_tasks_at(program, "each at its own time", "--spread"),
+    ]
+
+
+def _tasks_at(program: Path, due: str, *options: str) -> list[Figure]:
+    print(f"latency: 200 tasks, {due}, 2 times {TASKS_S:g} s", file=sys.stderr)
+    levels = _counts_of(program, *options)
+    threads = _counts_of(program, *options, "--threads")
     uncounted = levels["releases"] - levels["activations"] - levels["missed"]
+    together = 100 * levels["missed"] / levels["releases"]
     cost = levels["cpu_s"] / levels["activations"] * 1e6
     other = threads["cpu_s"] / threads["activations"] * 1e6
-    what = f"200 tasks on 8 levels, {TASKS_S:g} s: activations lost and not counted"
     return [
-        Figure(what, uncounted, "", "0", uncounted == 0),
-        Figure("  releases served together, counted", levels["missed"], "", "", True),
+        Figure(
+            f"200 tasks on 8 levels, {due}: activations lost, not counted",
+            uncounted,
+            "",
+            "0",
+            uncounted == 0,
+        ),
+        Figure("  releases served together, counted", together, "%", "", True),
         Figure(
             "  CPU time of an activation", cost, "us", f"a thread each: {other:.3g}", cost < other
         ),
     ]
+
+
+def _counts_of(program: Path, *options: str) -> dict[str, float]:
+    command = [str(program), f"{TASKS_S:g}", *options]
+    finished = subprocess.run(command, check=True, capture_output=True, text=True)
+    counts: dict[str, float] = json.loads(finished.stdout)
+    return counts
 
 
 # --- the picture ---
@@ -232,11 +257,17 @@ def _draw(programs: dict[str, Path], rounds: dict[str, list[Rows]]) -> Path:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    idle = {"SCHED_FIFO": rounds["Stator"], "without": _some(programs["Stator"], "--plain")}
+    program = programs["Stator"]
+    idle = {
+        "Stator": rounds["Stator"],
+        ONE_CPU: rounds[ONE_CPU],
+        "Stator without SCHED_FIFO": _some(program, "--plain"),
+    }
     with _load():
         loaded = {
-            "SCHED_FIFO": _some(programs["Stator"]),
-            "without": _some(programs["Stator"], "--plain"),
+            "Stator": _some(program),
+            ONE_CPU: _some(program, "--one-cpu"),
+            "Stator without SCHED_FIFO": _some(program, "--plain"),
         }
     figure, panels = pyplot.subplots(2, 1, sharex=True, figsize=(8, 6), layout="constrained")
     bins = np.logspace(0, 5, 151)
@@ -246,9 +277,9 @@ def _draw(programs: dict[str, Path], rounds: dict[str, list[Rows]]) -> Path:
     ):
         for name, some in shown.items():
             latency = np.concatenate([rows[:, 1] for rows in some]) * 1e-3
-            panel.hist(latency[latency > 0], bins, histtype="step", label=f"Stator, {name}")
+            panel.hist(latency[latency > 0], bins, histtype="step", label=name)
         if shown is idle:
-            for name in rounds.keys() - {"Stator"}:
+            for name in ["bare threads", *_peers_of(rounds)]:
                 latency = np.concatenate([rows[:, 1] for rows in rounds[name]]) * 1e-3
                 panel.hist(latency[latency > 0], bins, histtype="step", alpha=0.5, label=name)
         panel.set(title=title, ylabel="samples", xscale="log", yscale="log")

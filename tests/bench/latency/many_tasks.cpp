@@ -1,12 +1,14 @@
-// 200 periodic tasks of 1 kHz on 8 levels: `many_tasks SECONDS`; or each in a thread of its own:
-// `many_tasks SECONDS --threads`. Prints activations, releases that were missed, and CPU seconds.
+// 200 periodic tasks of 1 kHz on 8 levels: `many_tasks SECONDS [--spread] [--threads]`. --threads:
+// each in a thread of its own. --spread: each due at a time of its own instead of all at once.
+// Prints activations, releases that were missed, and CPU seconds.
 #include <sys/prctl.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdlib>
-#include <cstring>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -30,19 +32,9 @@ void run() {
     if (served_now(timers[index], kPeriod_us)) ++counters[index].activations;
 }
 
-// Offsets are spread, as graphs spread them.
-constexpr uint32_t offset_of(unsigned index) {
-    return index * 37 % kPeriod_us;
-}
-
 template <unsigned... index>
 constexpr std::array<Task, kTasks> task_rows(std::integer_sequence<unsigned, index...>) {
     return {Task{"task", run<index>, &counters[index], nullptr, 0}...};
-}
-template <unsigned... index>
-constexpr std::array<Timer, kTasks> timer_rows(std::integer_sequence<unsigned, index...>) {
-    return {Timer{&timers[index], kPeriod_us, offset_of(index),
-                  Pend{index / kTasksOfLevel, 1U << index % kTasksOfLevel}}...};
 }
 template <unsigned... level>
 constexpr std::array<Level, kLevels> level_rows(std::integer_sequence<unsigned, level...>) {
@@ -51,15 +43,25 @@ constexpr std::array<Level, kLevels> level_rows(std::integer_sequence<unsigned, 
 }
 
 constexpr auto kTaskRows = task_rows(std::make_integer_sequence<unsigned, kTasks>());
-constexpr auto kTimerRows = timer_rows(std::make_integer_sequence<unsigned, kTasks>());
 constexpr auto kLevelRows = level_rows(std::make_integer_sequence<unsigned, kLevels>());
+
+Timer timer_rows[kTasks];  // `main` makes them
+
+void make_timer_rows(bool is_spread) {
+    for (unsigned i = 0; i < kTasks; ++i) {
+        timer_rows[i] = {.state = &timers[i],
+                         .period_us = kPeriod_us,
+                         .offset_us = is_spread ? i * 37 % kPeriod_us : 0,
+                         .pend = {i / kTasksOfLevel, 1U << i % kTasksOfLevel}};
+    }
+}
 
 }  // namespace
 
 extern const Program program;
 constinit const Program program{.tasks = kTaskRows.data(),
                                 .task_count = kTasks,
-                                .timers = kTimerRows.data(),
+                                .timers = timer_rows,
                                 .timer_count = kTasks,
                                 .levels = kLevelRows.data(),
                                 .level_count = kLevels,
@@ -84,7 +86,7 @@ void run_thread(unsigned index, uint64_t start_ns, const std::atomic<bool>& ends
     prctl(PR_SET_TIMERSLACK, 1UL);
     const sched_param parameter{.sched_priority = 18 - static_cast<int>(index / 25)};
     pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
-    uint64_t due_ns = start_ns + uint64_t{stator::offset_of(index)} * 1000;
+    uint64_t due_ns = start_ns + uint64_t{stator::timer_rows[index].offset_us} * 1000;
     for (; !ends; due_ns += measured::kPeriod_ns) {
         measured::sleep_until(due_ns);
         ++stator::counters[index].activations;
@@ -115,8 +117,13 @@ double cpu_s() {
 int main(int count, char** arguments) {
     if (count < 2) return 2;
     const double seconds = std::atof(arguments[1]);
+    const std::vector<std::string_view> options(arguments + 2, arguments + count);
+    const auto is_given = [&](std::string_view option) {
+        return std::find(options.begin(), options.end(), option) != options.end();
+    };
+    stator::make_timer_rows(is_given("--spread"));
     const double before_s = cpu_s();
-    if (count > 2 && std::strcmp(arguments[2], "--threads") == 0) {
+    if (is_given("--threads")) {
         run_threads(seconds);
     } else {
         run_levels(seconds);

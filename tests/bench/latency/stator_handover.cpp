@@ -1,5 +1,5 @@
-// From publication to reception between two levels, at 1 kHz: `stator_handover SAMPLES [--plain]`;
-// --plain: without SCHED_FIFO.
+// From publication to reception between two levels, at 1 kHz: `stator_handover SAMPLES [--plain |
+// --one-cpu]`. --plain: without SCHED_FIFO. --one-cpu: both levels on one processor.
 #include <cstdlib>
 #include <cstring>
 
@@ -82,8 +82,10 @@ constinit const Program program{.tasks = kTasks,
 int main(int count, char** arguments) {
     if (count < 2) return 2;
     stator::rows.resize(std::strtoul(arguments[1], nullptr, 10));
-    const bool plain = count > 2 && std::strcmp(arguments[2], "--plain") == 0;
-    if (!stator::start({.real_time = !plain})) return 2;
+    const char* const option = count > 2 ? arguments[2] : "";
+    const bool plain = std::strcmp(option, "--plain") == 0;
+    const uint64_t cpus = std::strcmp(option, "--one-cpu") == 0 ? 1 : 0;
+    if (!stator::start({.cpus = cpus, .real_time = !plain})) return 2;
     if (!plain && !stator::is_real_time()) std::fputs("not allowed: SCHED_FIFO\n", stderr);
     // A sample that is lost leaves the count short: then the time ends the run.
     stator::wait_until((stator::rows.size() * measured::kPeriod_ns / 1000) + 1'000'000);
