@@ -20,6 +20,7 @@ CanSocketcan::Device can1;
 Line can1_received;
 Line can1_sent;
 Line can1_changed;
+NonvolatileFile::Device nonvolatile0;
 StorageFile::Device log_storage;
 
 }  // namespace stator::board

@@ -9,6 +9,7 @@
 #include "mag_sim.hpp"
 #include "mocap_sim.hpp"
 #include "motor_sim.hpp"
+#include "nonvolatile_file.hpp"
 #include "radio_sim.hpp"
 #include "stator/pthread.hpp"
 #include "storage_file.hpp"
@@ -32,6 +33,7 @@ extern CanSocketcan::Device can1;
 extern Line can1_received;
 extern Line can1_sent;     // never raised: the driver tries again with its timer
 extern Line can1_changed;  // never raised: that is received, too
+extern NonvolatileFile::Device nonvolatile0;
 extern StorageFile::Device log_storage;
 
 }  // namespace stator::board

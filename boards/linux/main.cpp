@@ -13,6 +13,7 @@
 
 #include "board.hpp"
 #include "flight_facts.hpp"
+#include "nonvolatile.hpp"
 #include "options.hpp"
 #include "real_world.hpp"
 #include "run_options.hpp"
@@ -150,6 +151,7 @@ void print(const board::RealWorld& world, double wall_s) {
                                                      program.watched, program.watched_count)));
     print_refusals();
     std::printf(", ");
+    board::print_nonvolatile();
     print_levels(wall_s);
     std::printf(", ");
     board::print_flight_facts(world.world(), wall_s);
@@ -175,6 +177,7 @@ int main(int count, char** arguments) {
     if (!board::take_run_options(count, arguments, run)) return 2;
     if (!board::parse(count, arguments, options)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
+    if (run.nonvolatile != nullptr && !board::open_nonvolatile(run.nonvolatile)) return 2;
     board::RealWorld world(options.conditions, truth);
     connect(world);
     if (run.can_interface != nullptr && !connect_can(world, run)) return 2;

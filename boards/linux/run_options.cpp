@@ -40,6 +40,8 @@ bool take_run_options(int& count, char** arguments, RunOptions& options) {
             options.can_interface = value;
         } else if (name == "--can-parts") {
             is_valid = take_parts(value, options.has_can_parts);
+        } else if (name == "--nonvolatile") {
+            options.nonvolatile = value;
         } else if (name == "--cpus") {
             is_valid = take_cpus(value, options.settings.cpus);
         } else {

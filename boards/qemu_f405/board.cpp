@@ -38,6 +38,7 @@ BaroSim::Device baro0{.refresh = refresh_baro};
 GnssSim::Device gnss0;
 RadioSim::Device radio0;
 BatterySim::Device battery0{.refresh = refresh_battery};
+NonvolatileSim::Device nonvolatile0;
 StorageSim::Device log_storage;
 
 namespace {
@@ -55,6 +56,7 @@ constexpr Transport kLink{
 semihosting::File to_plant;
 semihosting::File from_plant;
 semihosting::File log_file;
+semihosting::File nonvolatile_file;
 uint64_t missed_samples = 0;
 
 // The register write of the motor driver.
@@ -67,6 +69,23 @@ void write_motors(const MotorSim::Control& control) {
 
 bool append(const uint8_t* bytes, size_t count) {
     return log_file.write(bytes, count);
+}
+
+// A file of the host stands for the memory, so that a reset leaves it as it is.
+bool read_nonvolatile(uint32_t address, std::span<uint8_t> bytes) {
+    return nonvolatile_file.seek(address) && nonvolatile_file.read(bytes.data(), bytes.size());
+}
+bool write_nonvolatile(uint32_t address, std::span<const uint8_t> bytes) {
+    return nonvolatile_file.seek(address) && nonvolatile_file.write(bytes.data(), bytes.size());
+}
+void open_nonvolatile() {
+    if (nonvolatile_file.open(link::kNonvolatile, semihosting::Mode::kChange)) return;
+    constexpr std::array<uint8_t, 256> kBlank{};
+    bool is_whole = nonvolatile_file.open(link::kNonvolatile, semihosting::Mode::kMake);
+    for (uint32_t i = 0; i < NonvolatileSim::kBytes / kBlank.size(); ++i) {
+        is_whole = is_whole && nonvolatile_file.write(kBlank.data(), kBlank.size());
+    }
+    require(is_whole, "cannot make the file of the nonvolatile memory");
 }
 
 [[noreturn]] void finish() {
@@ -190,6 +209,8 @@ void prepare() {
     require(log_file.open(link::kLog, semihosting::Mode::kWrite), "cannot open the log");
     motors.write = write_motors;
     log_storage.append = append;
+    open_nonvolatile();
+    nonvolatile0 = {.read = read_nonvolatile, .write = write_nonvolatile};
 }
 
 void start() {

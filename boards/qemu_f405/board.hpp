@@ -8,6 +8,7 @@
 #include "mag_sim.hpp"
 #include "mocap_sim.hpp"
 #include "motor_sim.hpp"
+#include "nonvolatile_sim.hpp"
 #include "radio_sim.hpp"
 #include "storage_sim.hpp"
 
@@ -21,6 +22,7 @@ extern BaroSim::Device baro0;
 extern GnssSim::Device gnss0;
 extern RadioSim::Device radio0;
 extern BatterySim::Device battery0;
+extern NonvolatileSim::Device nonvolatile0;
 extern StorageSim::Device log_storage;
 
 }  // namespace stator::board

@@ -11,6 +11,7 @@ namespace stator::link {
 inline constexpr char kToPlant[] = "to_plant";
 inline constexpr char kFromPlant[] = "from_plant";
 inline constexpr char kLog[] = "flight.ulg";
+inline constexpr char kNonvolatile[] = "nonvolatile";
 // As a word for the firmware: start again after a fault, instead of ending the emulation.
 inline constexpr char kRestart[] = "restart";
 

@@ -13,6 +13,7 @@ constexpr uint32_t kOpen = 0x01;
 constexpr uint32_t kWrite0 = 0x04;
 constexpr uint32_t kWrite = 0x05;
 constexpr uint32_t kRead = 0x06;
+constexpr uint32_t kSeek = 0x0A;
 constexpr uint32_t kCommandLine = 0x15;
 constexpr uint32_t kExitExtended = 0x20;
 constexpr uint32_t kApplicationExit = 0x20026;
@@ -40,6 +41,11 @@ bool File::open(const char* path, Mode mode) {
     const std::array<uint32_t, 3> block{word(path), static_cast<uint32_t>(mode), std::strlen(path)};
     handle_ = call(kOpen, block.data());
     return handle_ != -1;
+}
+
+bool File::seek(uint32_t place) const {
+    const std::array<uint32_t, 2> block{static_cast<uint32_t>(handle_), place};
+    return call(kSeek, block.data()) == 0;
 }
 
 bool File::read(void* bytes, size_t count) const {

@@ -8,13 +8,15 @@
 
 namespace stator::semihosting {
 
-enum class Mode : uint32_t { kRead = 1, kWrite = 5 };  // fopen's "rb" and "wb"
+// fopen's "rb", "r+b", "wb" and "w+b".
+enum class Mode : uint32_t { kRead = 1, kChange = 3, kWrite = 5, kMake = 7 };
 
 // A file of the host. Each call says whether it did all that was asked; the host may block it.
 class File {
   public:
     bool is_open() const { return handle_ != -1; }
     [[nodiscard]] bool open(const char* path, Mode mode);
+    [[nodiscard]] bool seek(uint32_t place) const;  // from the beginning
     [[nodiscard]] bool read(void* bytes, size_t count) const;
     [[nodiscard]] bool write(const void* bytes, size_t count) const;
 

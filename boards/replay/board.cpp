@@ -10,6 +10,7 @@ Line mag0_data_ready;
 GnssRecording::Device gnss0;
 Line gnss0_received;
 BaroRecording::Device baro0;
+NonvolatileSim::Device nonvolatile0;
 StorageFile::Device log_storage;
 
 namespace {

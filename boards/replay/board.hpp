@@ -5,6 +5,7 @@
 #include "gnss_recording.hpp"
 #include "imu_recording.hpp"
 #include "mag_recording.hpp"
+#include "nonvolatile_sim.hpp"
 #include "recording.hpp"
 #include "stator/virtual.hpp"
 #include "storage_file.hpp"
@@ -18,6 +19,7 @@ extern Line mag0_data_ready;
 extern GnssRecording::Device gnss0;
 extern Line gnss0_received;
 extern BaroRecording::Device baro0;
+extern NonvolatileSim::Device nonvolatile0;  // there is none: loading fails
 extern StorageFile::Device log_storage;
 
 // Before the graph starts: what to replay. It must outlive the run.

@@ -29,6 +29,7 @@ Line can1_received;
 Line can1_sent;
 Line can1_changed;
 MissionSim::Device mission0;
+NonvolatileSim::Device nonvolatile0;
 StorageFile::Device log_storage;
 
 namespace {
@@ -40,6 +41,7 @@ CanParts can_parts([](const dronecan::Frame& frame, std::uint64_t now_us) {
 });
 std::FILE* truth_file = nullptr;
 bool truth_was_written = false;
+std::array<std::uint8_t, NonvolatileSim::kBytes> nonvolatile_memory{};
 
 // The register write of the motor driver. Time may have passed since the newest event.
 void write_motors(const MotorSim::Control& control) {
@@ -133,6 +135,14 @@ void prepare(Conditions conditions, const Mission* mission, std::FILE* truth) {
     truth_was_written = truth == nullptr || write_truth_head(truth);
     motors.write = write_motors;
     can1.send = send_on_can;
+    nonvolatile0.read = [](std::uint32_t address, std::span<std::uint8_t> bytes) {
+        std::copy_n(nonvolatile_memory.begin() + address, bytes.size(), bytes.begin());
+        return true;
+    };
+    nonvolatile0.write = [](std::uint32_t address, std::span<const std::uint8_t> bytes) {
+        std::copy(bytes.begin(), bytes.end(), nonvolatile_memory.begin() + address);
+        return true;
+    };
 }
 
 const World& world() {

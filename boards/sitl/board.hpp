@@ -13,6 +13,7 @@
 #include "mission_sim.hpp"
 #include "mocap_sim.hpp"
 #include "motor_sim.hpp"
+#include "nonvolatile_sim.hpp"
 #include "radio_sim.hpp"
 #include "stator/virtual.hpp"
 #include "storage_file.hpp"
@@ -38,6 +39,7 @@ extern Line can1_received;
 extern Line can1_sent;
 extern Line can1_changed;
 extern MissionSim::Device mission0;
+extern NonvolatileSim::Device nonvolatile0;  // empty at each start
 extern StorageFile::Device log_storage;
 
 // Before the graph starts: makes the world. It lies where the mission has its origin, if that has a

@@ -1,0 +1,30 @@
+// The nonvolatile memory of a simulated board.
+#pragma once
+
+#include "../nonvolatile_driver.hpp"
+
+namespace stator {
+
+class NonvolatileSim {
+  public:
+    // The board puts its functions here, which say whether they did it all; without them, loading
+    // fails, as with no memory on the bus.
+    struct Device {
+        bool (*read)(uint32_t address, std::span<uint8_t> bytes) = nullptr;
+        bool (*write)(uint32_t address, std::span<const uint8_t> bytes) = nullptr;
+    };
+    struct Port {
+        bool read(uint32_t address, std::span<uint8_t> bytes) const;
+        bool write(uint32_t address, std::span<const uint8_t> bytes) const;
+        Device& device;
+    };
+    static constexpr uint32_t kBytes = RecordStore<Port>::kBytes;
+
+    explicit NonvolatileSim(Device& device) : driver_(Port{device}) {}
+    void step(NonvolatilePorts& ports) { driver_.step(ports); }
+
+  private:
+    NonvolatileDriver<Port> driver_;
+};
+
+}  // namespace stator

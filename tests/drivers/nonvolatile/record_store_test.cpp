@@ -1,0 +1,268 @@
+// Records in two copies: power that fails after each single byte, and bytes that change by
+// themselves.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "memory.hpp"
+
+namespace stator {
+namespace {
+
+using Contents = std::map<uint32_t, uint8_t>;  // key -> the value of all bytes of its record
+
+// What a start finds.
+struct Started {
+    explicit Started(Memory& memory) : store(MemoryPort{&memory}) {
+        StoredRecord record{};
+        while (!store.is_loaded()) {
+            const auto result = store.load_next(record);
+            if (result == Store::Load::kFailed) return;  // power failed
+            if (result == Store::Load::kRecord) note(record);
+        }
+    }
+    void note(const StoredRecord& record) {
+        EXPECT_EQ(record.length, 9);
+        for (unsigned i = 0; i < record.data.size(); ++i) {
+            EXPECT_EQ(record.data[i], i < record.length ? record.data[0] : 0) << "a mixture";
+        }
+        EXPECT_EQ(contents.count(record.key), 0U) << "once only";
+        contents[record.key] = record.data[0];
+    }
+
+    Store store;
+    Contents contents;
+};
+
+struct Step {
+    uint32_t key;
+    uint8_t value;
+};
+// New ones, changed ones, and one that stays as it is.
+constexpr Step kSteps[]{{1, 10}, {2, 20}, {1, 11}, {3, 30}, {2, 20}, {2, 21}, {1, 12}, {3, 31}};
+
+// Keeps until power fails. What is sure to be kept then, and what may be.
+struct Kept {
+    Contents sure;
+    Contents possible;
+};
+Kept keep_all(Memory& memory) {
+    Started started(memory);
+    Kept kept;
+    for (const Step& step : kSteps) {
+        kept.possible = kept.sure;
+        kept.possible[step.key] = step.value;
+        const auto result = started.store.keep(record_of(step.key, step.value));
+        if (result != Store::Keep::kKept) return kept;
+        kept.sure = kept.possible;
+    }
+    return kept;
+}
+
+uint64_t bytes_of_all() {
+    Memory memory;
+    keep_all(memory);
+    return memory.written;
+}
+
+struct Cut : ::testing::TestWithParam<bool> {
+    static Memory cut_memory(uint8_t blank, uint64_t cut) {
+        Memory memory(blank);
+        memory.cut_after = cut;
+        memory.spoils_last = GetParam();
+        return memory;
+    }
+    static void restore_power(Memory& memory) {
+        memory.written = 0;
+        memory.cut_after = Memory::kNoCut;
+    }
+};
+
+TEST_P(Cut, after_each_byte_the_old_record_or_the_new_one_is_there) {
+    const uint64_t most = bytes_of_all();
+    EXPECT_EQ(most, 7 * 2 * 32U) << "seven changes, two copies of 32 bytes";
+    for (const uint8_t blank : {uint8_t{0x00}, uint8_t{0xFF}}) {
+        for (uint64_t cut = 0; cut <= most; ++cut) {
+            Memory memory = cut_memory(blank, cut);
+            const Kept kept = keep_all(memory);
+            restore_power(memory);
+            Started started(memory);
+            ASSERT_TRUE(started.store.is_loaded());
+            EXPECT_TRUE(started.contents == kept.sure || started.contents == kept.possible) << cut;
+            EXPECT_EQ(started.store.damaged(), 0U) << cut;
+            EXPECT_LE(started.store.mended(), 1U) << cut;
+            Started again(memory);
+            EXPECT_EQ(again.contents, started.contents) << cut;
+            EXPECT_EQ(again.store.mended(), 0U) << cut;
+        }
+    }
+}
+
+TEST_P(Cut, after_each_byte_of_the_mending_too) {
+    for (uint64_t cut = 0; cut <= bytes_of_all(); ++cut) {
+        Memory once = cut_memory(0, cut);
+        const Kept kept = keep_all(once);
+        restore_power(once);
+        Memory mended = once;
+        const Contents contents = Started(mended).contents;
+        for (uint64_t second = 0; second < mended.written; ++second) {
+            Memory twice = once;
+            twice.cut_after = second;
+            Started interrupted(twice);
+            EXPECT_FALSE(interrupted.store.is_loaded());
+            restore_power(twice);
+            Started started(twice);
+            EXPECT_EQ(started.contents, contents) << cut << " and " << second;
+            EXPECT_EQ(started.store.damaged(), 0U);
+        }
+    }
+}
+
+TEST_P(Cut, and_then_goes_on_where_it_was) {
+    for (uint64_t cut = 0; cut <= bytes_of_all(); ++cut) {
+        Memory memory = cut_memory(0, cut);
+        keep_all(memory);
+        restore_power(memory);
+        const Kept kept = keep_all(memory);
+        EXPECT_EQ(Started(memory).contents, kept.sure) << cut;
+        EXPECT_EQ(Started(memory).store.records(), 3U) << "no slot is used twice";
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(record_store, Cut, ::testing::Bool(), [](const auto& spoils) {
+    return spoils.param ? "spoils_the_last_byte" : "between_bytes";
+});
+
+TEST(RecordStore, one_changed_bit_costs_nothing) {
+    Memory good;
+    const Contents contents = keep_all(good).sure;
+    for (unsigned copy = 0; copy < 2; ++copy) {
+        for (unsigned bit = 0; bit < 3 * 32 * 8; ++bit) {
+            Memory memory = good;
+            memory.bytes[copy * 8192 + bit / 8] ^= static_cast<uint8_t>(1U << bit % 8);
+            Started started(memory);
+            EXPECT_EQ(started.contents, contents) << copy << ", " << bit;
+            EXPECT_EQ(started.store.mended(), 1U);
+            EXPECT_EQ(started.store.damaged(), 0U);
+            EXPECT_EQ(memory.bytes, good.bytes) << "mended";
+        }
+    }
+}
+
+TEST(RecordStore, both_copies_damaged_is_told_and_the_others_are_kept) {
+    Memory memory;
+    Contents contents = keep_all(memory).sure;
+    memory.bytes[32 + 20] ^= 1;
+    memory.bytes[8192 + 32 + 21] ^= 1;
+    contents.erase(2);
+    Started started(memory);
+    EXPECT_EQ(started.contents, contents);
+    EXPECT_EQ(started.store.damaged(), 1U);
+    ASSERT_EQ(started.store.keep(record_of(2, 22)), Store::Keep::kKept);
+    contents[2] = 22;
+    Started again(memory);
+    EXPECT_EQ(again.contents, contents);
+    EXPECT_EQ(again.store.damaged(), 0U) << "its place is used again";
+}
+
+TEST(RecordStore, a_memory_full_of_something_else_is_told_and_can_be_used) {
+    Memory memory;
+    for (unsigned i = 0; i < memory.bytes.size(); ++i) {
+        memory.bytes[i] = static_cast<uint8_t>(1 + i * 7 % 255);
+    }
+    Started started(memory);
+    EXPECT_TRUE(started.contents.empty());
+    EXPECT_EQ(started.store.damaged(), 256U);
+    const Contents sure = keep_all(memory).sure;
+    EXPECT_EQ(Started(memory).contents, sure);
+}
+
+TEST(RecordStore, a_slot_of_another_place_does_not_count) {
+    Memory memory;
+    keep_all(memory);
+    for (const unsigned half : {0U, 8192U}) {
+        std::copy_n(memory.bytes.begin() + half, 32, memory.bytes.begin() + half + 10 * 32);
+    }
+    Started started(memory);
+    EXPECT_EQ(started.contents.size(), 3U);
+    EXPECT_EQ(started.store.damaged(), 1U);
+}
+
+// In both copies of a slot.
+void put(Memory& memory, uint16_t place, uint32_t sequence, const StoredRecord& record) {
+    RecordSlot slot{.sequence = sequence,
+                    .key = record.key,
+                    .place = place,
+                    .kind = static_cast<uint8_t>(record.kind),
+                    .length = record.length,
+                    .data = record.data,
+                    .crc = 0};
+    slot.crc = slot.sum();
+    const auto bytes = std::bit_cast<std::array<uint8_t, RecordSlot::kBytes>>(slot);
+    memory.put(place * 32U, bytes);
+    memory.put(8192 + place * 32U, bytes);
+}
+
+// As after a start at which the one slot could not be read. Readers take what comes last.
+TEST(RecordStore, of_two_slots_with_one_record_the_newer_counts) {
+    for (const uint32_t second_sequence : {4U, 6U}) {
+        Memory memory;
+        put(memory, 0, 5, record_of(1, 50));
+        put(memory, 1, second_sequence, record_of(1, 60));
+        const uint8_t newest = second_sequence == 6 ? 60 : 50;
+        Store store(MemoryPort{&memory});
+        StoredRecord record{};
+        uint8_t last = 0;
+        while (!store.is_loaded()) {
+            if (store.load_next(record) == Store::Load::kRecord) last = record.data[0];
+        }
+        EXPECT_EQ(last, newest);
+        EXPECT_EQ(store.records(), 1U);
+        ASSERT_EQ(store.keep(record_of(2, 20)), Store::Keep::kKept);
+        const Contents contents{{1, newest}, {2, 20}};
+        EXPECT_EQ(Started(memory).contents, contents) << "the other slot was free";
+    }
+}
+
+TEST(RecordStore, a_full_one_refuses_new_records_and_takes_changes) {
+    Memory memory;
+    {
+        Started started(memory);
+        for (uint32_t key = 0; key < Store::kMostRecords; ++key) {
+            ASSERT_EQ(started.store.keep(record_of(key, 1)), Store::Keep::kKept);
+        }
+        EXPECT_EQ(started.store.keep(record_of(1000, 1)), Store::Keep::kFull);
+        EXPECT_EQ(started.store.keep(record_of(100, 2)), Store::Keep::kKept);
+    }
+    Started started(memory);
+    EXPECT_EQ(started.contents.size(), 256U);
+    EXPECT_EQ(started.contents[100], 2);
+    EXPECT_EQ(started.contents.count(1000), 0U);
+}
+
+TEST(RecordStore, what_is_there_already_is_not_written_again) {
+    Memory memory;
+    keep_all(memory);
+    Started started(memory);
+    memory.written = 0;
+    EXPECT_EQ(started.store.keep(record_of(3, 31)), Store::Keep::kKept);
+    EXPECT_EQ(memory.written, 0U);
+}
+
+TEST(RecordStore, kinds_have_keys_of_their_own) {
+    Memory memory;
+    {
+        Started started(memory);
+        StoredRecord record = record_of(1, 5);
+        ASSERT_EQ(started.store.keep(record), Store::Keep::kKept);
+        record.kind = StoredRecord::Kind::kCanNode;
+        ASSERT_EQ(started.store.keep(record), Store::Keep::kKept);
+    }
+    Store store(MemoryPort{&memory});
+    StoredRecord record{};
+    while (!store.is_loaded()) static_cast<void>(store.load_next(record));
+    EXPECT_EQ(store.records(), 2U);
+}
+
+}  // namespace
+}  // namespace stator
