@@ -19,6 +19,7 @@ ENVIRONMENT = ROOT / ".venv"
 REQUIREMENTS = ROOT / "requirements.txt"
 LOG = ROOT / "build" / "setup.log"
 APT = Path("/etc/apt")
+NOT_DONE = 2  # the exit status: codegen/stator/diagnostics.py
 OS_RELEASE = Path("/etc/os-release")
 # Too old in the release itself, with the packages that have to come from the same place.
 QEMU = ["qemu-system-arm", "qemu-system-common", "qemu-system-data"]
@@ -249,14 +250,14 @@ def main(arguments: list[str]) -> int:
         return 130
     except OSError as error:
         say(f"error: cannot set up: {error}")
-        return 1
+        return NOT_DONE
     for problem in problems:
         say(f"error: {problem}")
         for command in problem.by_hand:
             say(f"  by hand: {command}")
     if not problems:
         say("set-up complete")
-    return 1 if problems else 0
+    return NOT_DONE if problems else 0
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from stator.build import RECORDING, build, configure
+from stator.diagnostics import UserError
 from stator.library import HOME
 
 if TYPE_CHECKING:
@@ -38,11 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(arguments: argparse.Namespace) -> int:
     unknown = [name for name in arguments.names if name not in BENCHMARKS]
     if unknown:
-        print(
-            f"error: there is no benchmark '{unknown[0]}'\nhint: known: {', '.join(BENCHMARKS)}",
-            file=sys.stderr,
+        raise UserError(
+            f"error: there is no benchmark '{unknown[0]}'\nhint: known: {', '.join(BENCHMARKS)}"
         )
-        return 1
     figures: list[Figure] = []
     for name in arguments.names or BENCHMARKS:
         if not arguments.json:

@@ -9,7 +9,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stator.diagnostics import Failed, UserError, shown_path
+from stator.diagnostics import (
+    ANSWER_IS_NO,
+    INTERRUPTED,
+    NOT_DONE,
+    Failed,
+    UserError,
+    shown_path,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -59,28 +66,32 @@ RAW = {"test": "stator.run_tests", "lint": "stator.lint"}
 
 
 def main(argv: list[str]) -> int:
-    """Runs one command; returns the exit status."""
+    """Runs one command; returns the exit status: see diagnostics.py."""
     try:
         return _run(argv)
     except Failed as failed:
         show_errors(failed)
-        return 1
+        return NOT_DONE
     except UserError as failed:
         print(failed, file=sys.stderr)
-        return 1
+        return NOT_DONE
     except KeyboardInterrupt:
         print("stator: interrupted", file=sys.stderr)
-        return 130
+        return INTERRUPTED
     except BrokenPipeError:
         sys.stderr.close()
-        return 1
+        return NOT_DONE
 
 
 def _run(argv: list[str]) -> int:
     if argv and argv[0] in RAW:
         run: Callable[[list[str]], int] = import_module(RAW[argv[0]]).main
         return run(argv[1:])
-    arguments = _parser(argv[0] if argv else "").parse_args(argv)
+    parser = _parser(argv[0] if argv else "")
+    if not argv:
+        print(parser.format_help(), end="", file=sys.stderr)
+        return NOT_DONE
+    arguments = parser.parse_args(argv)
     command: Callable[[argparse.Namespace], int] = arguments.run
     return command(arguments)
 
@@ -159,10 +170,11 @@ def _check(arguments: argparse.Namespace) -> int:
     try:
         plan = make_plan(arguments.graph, arguments.board)
     except Failed as failed:
-        if not arguments.json:
-            raise
-        print(json.dumps({"errors": [error.as_json() for error in failed.errors]}, indent=2))
-        return 1
+        if arguments.json:
+            print(json.dumps({"errors": [error.as_json() for error in failed.errors]}, indent=2))
+        else:
+            show_errors(failed)
+        return ANSWER_IS_NO
     if arguments.json:
         from stator.graph_hash import graph_hash
 
@@ -260,12 +272,10 @@ def _explain(arguments: argparse.Namespace) -> int:
     lines = explain(plan, arguments.node)
     if lines is None:
         known = [*plan.graph.nodes, *plan.topics]
-        print(
+        raise UserError(
             f"error: '{arguments.node}' is no node and no topic of {plan.graph.name}\n"
-            f"hint: {nearest(arguments.node, known)}",
-            file=sys.stderr,
+            f"hint: {nearest(arguments.node, known)}"
         )
-        return 1
     print("\n".join(lines))
     return 0
 
@@ -280,10 +290,7 @@ def _picture_arguments(parser: argparse.ArgumentParser) -> None:
 def _picture(arguments: argparse.Namespace) -> int:
     from stator.picture import draw
 
-    error = draw(make_plan(arguments.graph, arguments.board), arguments.output)
-    if error:
-        print(error, file=sys.stderr)
-        return 1
+    draw(make_plan(arguments.graph, arguments.board), arguments.output)
     print(f"{arguments.output}: drawn")
     return 0
 

@@ -14,6 +14,11 @@ from stator.rules import RULES
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+# What a command's exit status says, the same for all of them: docs/json.md. 0 is success.
+ANSWER_IS_NO = 1  # it did what was asked, and the answer is no: errors found, a failed flight
+NOT_DONE = 2  # it could not do what was asked
+INTERRUPTED = 130
+
 MOST_BYTES = 16 * 1024 * 1024  # of one file
 # A longer source line is shown in part, around the caret.
 MOST_COLUMNS = 160

@@ -8,14 +8,13 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 from stator.build import SLEEP, build_plant
 from stator.cli import make_plan, path
-from stator.diagnostics import UserError
+from stator.diagnostics import ANSWER_IS_NO, UserError
 from stator.fault_record import in_words
 from stator.firmware import build_image
 from stator.flight_arguments import (
@@ -81,18 +80,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """0: a successful flight. 1: a failed one, or one that could not be judged. 2: no flight."""
+    """The answer is yes if the flight was successful; no, too, if it could not be judged."""
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".emulated")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
-    try:
-        emulator = find_emulator()
-        variant = (SLEEP if arguments.sleep else {}) | recording_of(arguments)
-        image = build_image(arguments.graph, arguments.board, variant)
-        plant = build_plant()
-        link = None if arguments.link is None else link_socket(arguments.link)
-    except UserError as failed:
-        print(failed, file=sys.stderr)
-        return 2
+    emulator = find_emulator()
+    variant = (SLEEP if arguments.sleep else {}) | recording_of(arguments)
+    image = build_image(arguments.graph, arguments.board, variant)
+    plant = build_plant()
+    link = None if arguments.link is None else link_socket(arguments.link)
     options = ["--truth", str(truth.resolve()), *flight_options(arguments)]
     if arguments.speed is not None:
         options += ["--speed", f"{arguments.speed:.6f}"]
@@ -101,8 +96,7 @@ def main(arguments: argparse.Namespace) -> int:
         finished = fly(emulator, image, [str(plant), *options], log, link=link)
         if finished.returncode != 0:
             plan = make_plan(str(arguments.graph), arguments.board)
-            print(in_words(finished.stderr, plan, image).rstrip(), file=sys.stderr)
-            return 2
+            raise UserError(in_words(finished.stderr, plan, image).rstrip())
         facts = facts_of(
             finished,
             log,
@@ -121,7 +115,7 @@ def main(arguments: argparse.Namespace) -> int:
         print(json.dumps(facts, indent=2))
     else:
         report(facts)
-    return 0 if facts["success"] else 1
+    return 0 if facts["success"] else ANSWER_IS_NO
 
 
 def find_emulator() -> Emulator:

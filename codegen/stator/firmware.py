@@ -6,22 +6,20 @@ import argparse
 import json
 import re
 import subprocess
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.build import SLEEP, build
 from stator.cli import make_buildable_plan, path
-from stator.diagnostics import BuildFailed, UserError, shown_path
+from stator.diagnostics import BuildFailed, shown_path
 from stator.graph_hash import graph_hash
 from stator.image_checks import faults_of, sections_of
 from stator.px4_file import write_px4
 
 if TYPE_CHECKING:
-    from stator.plan import Plan
-
-if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from stator.plan import Plan
 
 TOOLS = "arm-none-eabi-"
 
@@ -34,11 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    try:
-        image = build_image(arguments.graph, arguments.board, SLEEP if arguments.sleep else {})
-    except UserError as failed:
-        print(failed, file=sys.stderr)
-        return 2
+    image = build_image(arguments.graph, arguments.board, SLEEP if arguments.sleep else {})
     files = image_files(make_buildable_plan(str(arguments.graph), arguments.board), image)
     sizes = sizes_of(image)
     total = total_of(image)

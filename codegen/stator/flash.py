@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import serial
 
 from stator.cli import make_buildable_plan, path
-from stator.diagnostics import UserError, shown_path
+from stator.diagnostics import NOT_DONE, UserError, shown_path
 from stator.firmware import build_image, image_files
 from stator.px4_bootloader import Bootloader
 from stator.px4_file import padded
@@ -69,7 +69,7 @@ def main(arguments: argparse.Namespace) -> int:
     if shutil.which(command[0]) is None:
         raise UserError(f"error: {command[0]} is not installed\nhint: {INSTALL[command[0]]}")
     print(shlex.join(command), flush=True)
-    return 0 if subprocess.run(command, check=False).returncode == 0 else 1
+    return 0 if subprocess.run(command, check=False).returncode == 0 else NOT_DONE
 
 
 INSTALL = {

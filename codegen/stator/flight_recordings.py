@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from stator.diagnostics import UserError
+
 Array = npt.NDArray[np.float64]
 
 IMU, MAG, GNSS, BARO = range(4)  # boards/replay/recording.hpp
@@ -22,11 +24,11 @@ NO_HEIGHT = 1000.0  # m: an error so large that the height is not used
 REPLAYS = ("_replay.csv.gz", "_replay.csv")
 
 
-class RecordingError(Exception):
+class RecordingError(UserError):
     """What is wrong with the recordings, and what to do about it."""
 
     def __init__(self, problem: str, hint: str) -> None:
-        super().__init__(f"error: {problem}; {hint}")
+        super().__init__(f"error: {problem}\nhint: {hint}")
 
 
 @dataclass(frozen=True)

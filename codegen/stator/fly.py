@@ -5,14 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.build import PREEMPTION, build
 from stator.cli import make_plan, path
-from stator.diagnostics import UserError, shown_path
+from stator.diagnostics import ANSWER_IS_NO, UserError, shown_path
 from stator.flight_arguments import (
     USUAL_DURATION_S,
     add_flight_arguments,
@@ -60,20 +59,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """0: a successful flight. 1: a failed one, or one that could not be judged. 2: no flight."""
-    try:
-        mission = None if arguments.mission is None else read_mission(arguments.mission)
-        complete(arguments, mission)
-        if mission is not None:
-            _check_takes_missions(arguments.graph, arguments.board)
-        variant = {} if arguments.times == "zero" else PREEMPTION
-        times = times_of(arguments)
-        program = build(
-            arguments.graph, arguments.board, variant | recording_of(arguments), executor="virtual"
-        )
-    except UserError as failed:
-        print(failed, file=sys.stderr)
-        return 2
+    """The answer is yes if the flight was successful; no, too, if it could not be judged."""
+    mission = None if arguments.mission is None else read_mission(arguments.mission)
+    complete(arguments, mission)
+    if mission is not None:
+        _check_takes_missions(arguments.graph, arguments.board)
+    variant = {} if arguments.times == "zero" else PREEMPTION
+    times = times_of(arguments)
+    program = build(
+        arguments.graph, arguments.board, variant | recording_of(arguments), executor="virtual"
+    )
     kind = f"-{arguments.mission.stem}" if mission else ""
     log = arguments.output or default_log(arguments.graph, arguments.seed, kind)
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
@@ -81,8 +76,7 @@ def main(arguments: argparse.Namespace) -> int:
     with progress(name, truth, arguments.duration):
         finished = _run(program, log, truth, arguments, mission, times)
         if finished.returncode > 0:
-            print(finished.stderr.rstrip(), file=sys.stderr)
-            return 2
+            raise UserError(finished.stderr.rstrip())
         facts = facts_of(
             finished,
             log,
@@ -102,7 +96,7 @@ def main(arguments: argparse.Namespace) -> int:
         print(json.dumps(facts, indent=2))
     else:
         report(facts)
-    return 0 if facts["success"] else 1
+    return 0 if facts["success"] else ANSWER_IS_NO
 
 
 def complete(arguments: argparse.Namespace, mission: Mission | None) -> None:

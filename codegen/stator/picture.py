@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 from typing import TYPE_CHECKING
 
+from stator.diagnostics import UserError
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -17,10 +19,10 @@ _URGENT = (0xE8, 0x6A, 0x33)
 _PALE = (0xF4, 0xF1, 0xEA)
 
 
-def draw(plan: Plan, file: Path) -> str:
-    """Writes the picture; returns what went wrong, or nothing."""
+def draw(plan: Plan, file: Path) -> None:
+    """Writes the picture. Raises `UserError`."""
     if file.suffix not in FORMATS:
-        return (
+        raise UserError(
             f"error: '{file.name}' ends in none of {', '.join(FORMATS)}\nhint: for example quad.svg"
         )
     text = dot(plan)
@@ -33,16 +35,17 @@ def draw(plan: Plan, file: Path) -> str:
                 capture_output=True,
             ).stdout
         except FileNotFoundError:
-            return "error: 'dot' is missing\nhint: apt-get install graphviz"
+            raise UserError("error: 'dot' is missing\nhint: apt-get install graphviz") from None
         except subprocess.CalledProcessError as error:
-            return f"error: dot failed: {error.stderr.decode(errors='replace').strip()}"
+            said = error.stderr.decode(errors="replace").strip()
+            raise UserError(f"error: dot failed: {said}") from None
     else:
         drawn = text.encode()
     try:
+        file.parent.mkdir(parents=True, exist_ok=True)
         file.write_bytes(drawn)
     except OSError as error:
-        return f"error: cannot write '{file}': {error.strerror}"
-    return ""
+        raise UserError(f"error: cannot write '{file}': {error.strerror}") from None
 
 
 def dot(plan: Plan) -> str:

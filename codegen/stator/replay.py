@@ -6,14 +6,13 @@ import argparse
 import contextlib
 import json
 import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stator.build import build_replay
 from stator.cli import make_plan, path
-from stator.diagnostics import Failed, UserError, shown_path
+from stator.diagnostics import ANSWER_IS_NO, Failed, UserError, shown_path
 from stator.emit_recording import definitions
 from stator.graph_hash import graph_hash
 from stator.library import HOME
@@ -46,28 +45,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """0: every sample is equal. 1: it is not, or not all could be replayed. 2: nothing could."""
-    try:
-        recording = read_recording(arguments.log)
-        subject = find_graph(recording, arguments.graph)
-        program = build_replay(subject.plan)
-    except Failed:
-        raise
-    except UserError as failed:
-        print(failed, file=sys.stderr)
-        return 2
+    """The answer is yes if all could be replayed, and every sample is equal."""
+    recording = read_recording(arguments.log)
+    subject = find_graph(recording, arguments.graph)
+    program = build_replay(subject.plan)
     with progress(f"replaying {arguments.log.name} ..."):
         command = [program, arguments.log, str(recording.good_bytes)]
         finished = subprocess.run(command, check=False, capture_output=True, text=True)
     if finished.returncode != 0:
-        print(finished.stderr.rstrip() or "error: the replay died", file=sys.stderr)
-        return 2
+        raise UserError(finished.stderr.rstrip() or "error: the replay died")
     facts = facts_of(recording, subject, json.loads(finished.stdout))
     if arguments.json:
         print(json.dumps(facts, indent=2))
     else:
         report(facts)
-    return 0 if facts["equal"] else 1
+    return 0 if facts["equal"] else ANSWER_IS_NO
 
 
 # --- the graph ---

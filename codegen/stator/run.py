@@ -6,13 +6,12 @@ import argparse
 import json
 import signal
 import subprocess
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stator.build import build
 from stator.cli import make_plan
-from stator.diagnostics import UserError
+from stator.diagnostics import ANSWER_IS_NO, NOT_DONE, UserError
 from stator.flight_arguments import (
     add_flight_arguments,
     flight_options,
@@ -29,7 +28,6 @@ from stator.progress import progress
 if TYPE_CHECKING:
     from types import FrameType
 
-NOT_RUN = 2
 SIGNALLED = 128  # and the number of the signal
 MOST_CPUS = 64
 OWN_FACTS = ("missed_samples", "missed_releases", "real_time", "not_allowed", "levels")
@@ -70,24 +68,17 @@ def cpus_of(text: str) -> int:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """0: it ran to its end, and a vehicle flew within all limits. 1: it did not, or could not be
-    judged. 2: nothing ran. 128 and more: a signal ended it."""
+    """The answer is yes if it ran to its end, and a vehicle flew within all limits; no, too, if it
+    could not be judged. 128 and more: a signal ended it."""
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
-    try:
-        program = build(
-            arguments.graph, arguments.board, recording_of(arguments), executor="pthread"
-        )
-        flies = _flies(arguments)
-    except UserError as failed:
-        print(failed, file=sys.stderr)
-        return NOT_RUN
+    program = build(arguments.graph, arguments.board, recording_of(arguments), executor="pthread")
+    flies = _flies(arguments)
     name = f"running {arguments.graph.stem} for {arguments.duration:g} s at most; Ctrl-C ends it"
     with progress(name, truth, arguments.duration):
         finished = _run(program, log, truth, arguments)
-    if finished.returncode == NOT_RUN:
-        print(finished.stderr.rstrip(), file=sys.stderr)
-        return NOT_RUN
+    if finished.returncode == NOT_DONE:
+        raise UserError(finished.stderr.rstrip())
     facts = _facts(
         finished,
         log,
@@ -105,7 +96,7 @@ def main(arguments: argparse.Namespace) -> int:
         show(facts, [*flight_rows(facts), *_run_rows(facts), log_row(facts)])
     if finished.returncode > SIGNALLED:
         return finished.returncode
-    return 0 if facts["success"] else 1
+    return 0 if facts["success"] else ANSWER_IS_NO
 
 
 def _flies(arguments: argparse.Namespace) -> bool:

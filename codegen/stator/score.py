@@ -7,7 +7,6 @@ import csv
 import gzip
 import json
 import subprocess
-import sys
 import tempfile
 import zlib
 from collections.abc import Iterable
@@ -18,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stator import score_navigation
+from stator.diagnostics import UserError
 from stator.flight_recordings import COLUMNS, IMU, MAG, RecordingError, write_rows
 from stator.library import HOME
 
@@ -277,22 +277,15 @@ def score(folder: Path) -> tuple[list[Score], dict[str, list[Score]]]:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    from stator.diagnostics import BuildFailed
-
     try:
         if arguments.estimator == "navigation":
             score_navigation.main(arguments.folder, as_json=arguments.json)
             return 0
         scores, peers = score(arguments.folder)
-    except (RecordingError, BuildFailed) as problem:
-        print(problem, file=sys.stderr)
-        return 1
     except subprocess.CalledProcessError as problem:
-        print(
-            f"error: the replay ended with status {problem.returncode}; see its message above",
-            file=sys.stderr,
-        )
-        return 1
+        raise UserError(
+            f"error: the replay ended with status {problem.returncode}\nhint: its message is above"
+        ) from None
     mean = mean_of("mean", scores)
     if arguments.json:
         print(as_json(scores, mean, peers))

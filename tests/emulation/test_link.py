@@ -97,7 +97,7 @@ def test_listener_decodes_samples(link: Path, capsys: pytest.CaptureFixture[str]
 
 
 def test_an_unknown_topic_is_refused(link: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["listener", "vehicle_atitude", "--link", str(link)]) == 1
+    assert cli.main(["listener", "vehicle_atitude", "--link", str(link)]) == 2
     assert "vehicle_attitude" in capsys.readouterr().err
 
 
@@ -108,12 +108,12 @@ def test_another_graph_is_refused(
     other.write_text(
         "include: [{file: quad.yaml}]\nboard: fmu_v2\nnodes: {sequence: {params: {height: 3 m}}}\n"
     )
-    assert cli.main(["top", "--once", "--link", str(link), "--graph", str(other)]) == 1
+    assert cli.main(["top", "--once", "--link", str(link), "--graph", str(other)]) == 2
     assert "another version" in capsys.readouterr().err
 
 
 def test_nobody_there(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    assert cli.main(["top", "--link", str(tmp_path / "none")]) == 1
+    assert cli.main(["top", "--link", str(tmp_path / "none")]) == 2
     error = capsys.readouterr().err
     assert "error: no firmware at" in error
     assert "./stator emulate --link" in error

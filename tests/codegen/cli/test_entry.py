@@ -107,7 +107,7 @@ def test_commands_that_build_nothing_need_no_packages(machine: Machine) -> None:
 
 def test_without_python_it_says_what_to_install(machine: Machine) -> None:
     result = machine.run("check")
-    assert result.returncode == 1
+    assert result.returncode == 2
     assert "needs Python 3.11 or newer to start; found: no working python3" in result.stdout
     assert "hint: on Debian 12, Ubuntu 24.04 or newer: sudo apt-get install" in result.stdout
 
@@ -116,7 +116,7 @@ def test_a_python_that_is_too_old_is_named(machine: Machine) -> None:
     # To `-c ...` an old one answers with an empty line.
     machine.add_program("python3", '[[ $1 == --version ]] && echo "Python 3.9.2" || echo')
     result = machine.run("check")
-    assert result.returncode == 1
+    assert result.returncode == 2
     assert "needs Python 3.11 or newer to start; found: Python 3.9.2" in result.stdout
 
 
@@ -130,7 +130,7 @@ def test_a_broken_shim_is_passed_over(machine: Machine) -> None:
 def test_without_apt_it_lists_what_is_missing(machine: Machine) -> None:
     machine.add_ready_environment()
     result = machine.run("fly", STATOR_PYTHON=REAL_PYTHON)
-    assert result.returncode == 1
+    assert result.returncode == 2
     assert "stator: error: there is no apt-get here to install: hovercraft\n" in result.stdout
     assert "by hand: " in result.stdout
     assert "ran:" not in result.stdout
@@ -165,7 +165,7 @@ def test_a_failing_apt_is_shown_with_the_commands_to_type(machine: Machine) -> N
     machine.add_program("sudo", SUDO)
     machine.add_program("apt-get", "echo Temporary failure resolving; exit 100")
     result = machine.run("fly", STATOR_PYTHON=REAL_PYTHON)
-    assert result.returncode == 1
+    assert result.returncode == 2
     assert "stator: error: apt-get failed to install: hovercraft; the end of " in result.stdout
     assert "    Temporary failure resolving\n" in result.stdout
     assert re.search(r"by hand: (sudo )?apt-get update\n", result.stdout)
@@ -177,7 +177,7 @@ def test_a_package_that_brings_nothing_is_an_error(machine: Machine) -> None:
     machine.add_program("sudo", SUDO)
     machine.add_program("apt-get", "exit 0")
     result = machine.run("fly", STATOR_PYTHON=REAL_PYTHON)
-    assert result.returncode == 1
+    assert result.returncode == 2
     assert "error: installed, but not found in PATH or /usr/include: hovercraft\n" in result.stdout
 
 
@@ -215,7 +215,7 @@ def test_a_full_set_up_from_nothing(machine: Machine) -> None:
 
     # One that fails leaves no stamp, lest the old list, put back, pass for installed.
     (machine.project / "requirements.txt").write_text("no-such-package-for-stator==1\n")
-    assert machine.run("check", PIP_NO_INDEX="1").returncode == 1
+    assert machine.run("check", PIP_NO_INDEX="1").returncode == 2
     assert not (environment / "stamp").exists()
 
 
@@ -223,7 +223,7 @@ def test_packages_that_cannot_be_had_leave_no_good_environment(machine: Machine)
     (machine.project / "requirements.txt").write_text("no-such-package-for-stator==1\n")
     variables = {"STATOR_PYTHON": REAL_PYTHON, "PIP_NO_INDEX": "1", "PIP_FIND_LINKS": ""}
     result = machine.run("check", **variables)
-    assert result.returncode == 1
+    assert result.returncode == 2
     assert "stator: error: Python packages: pip failed" in result.stdout
     assert "No matching distribution found for no-such-package-for-stator" in result.stdout
     assert "-m pip install" in result.stdout.splitlines()[-1]
@@ -245,9 +245,9 @@ def test_two_at_once_wait_for_each_other(machine: Machine) -> None:
         while not machine.calls.exists() and first.poll() is None:
             time.sleep(0.01)
         second = machine.run("fly", STATOR_PYTHON=REAL_PYTHON)
-        assert first.wait() == 1
+        assert first.wait() == 2
     assert "stator: waiting for another ./stator that is setting up\n" in second.stdout
-    assert second.returncode == 1
+    assert second.returncode == 2
     assert not (machine.bin / "apt-get.overlap").exists()
 
 

@@ -59,7 +59,7 @@ def test_the_whole_image_is_programmed_checked_and_started(
 def test_what_goes_wrong_is_said_and_nothing_starts(
     board: BootloaderModel, message: str, erased: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run("--port", board.port) == 1
+    assert run("--port", board.port) == 2
     assert message in capsys.readouterr().err
     assert board.erased == erased
     assert not board.started
@@ -69,7 +69,7 @@ def test_no_bootloader(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     monkeypatch.setattr(flash, "WAIT_S", 0.2)
-    assert run("--port", str(tmp_path / "tty")) == 1
+    assert run("--port", str(tmp_path / "tty")) == 2
     assert "no bootloader answered" in capsys.readouterr().err
 
 
@@ -99,14 +99,14 @@ def test_a_graph_whose_devices_have_no_driver_is_refused(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     needs_toolchain()
-    assert cli.main(["flash", str(HOME / "graph" / "quad.yaml"), "--board", "fmu_v2"]) == 1
+    assert cli.main(["flash", str(HOME / "graph" / "quad.yaml"), "--board", "fmu_v2"]) == 2
     assert capsys.readouterr().err.startswith(
         "error: not flashed: no driver yet on fmu_v2 for imu0, mocap0, motors, log_storage\n"
     )
 
 
 def test_a_board_that_is_nothing_to_flash(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["flash", str(HOME / "graph" / "quad.yaml"), "--board", "sitl"]) == 1
+    assert cli.main(["flash", str(HOME / "graph" / "quad.yaml"), "--board", "sitl"]) == 2
     assert "its board.yaml has no `upload:`" in capsys.readouterr().err
 
 

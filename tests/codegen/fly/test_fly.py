@@ -127,7 +127,7 @@ def test_wrong_arguments(arguments: list[str], message: str) -> None:
 
 def test_missing_graph(tmp_path: Path) -> None:
     finished = fly(tmp_path / "none.yaml", "--json")
-    assert finished.returncode == 1
+    assert finished.returncode == 2
     assert finished.stdout == ""
     assert "none.yaml" in finished.stderr
 

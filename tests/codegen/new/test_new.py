@@ -34,7 +34,7 @@ def test_nothing_is_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     header = tmp_path / "apps" / "lean_alarm" / "lean_alarm.hpp"
     header.parent.mkdir(parents=True)
     header.write_text("mine")
-    assert cli.main(["new", "app", "lean_alarm", "--in", str(tmp_path)]) == 1
+    assert cli.main(["new", "app", "lean_alarm", "--in", str(tmp_path)]) == 2
     assert "is there already" in capsys.readouterr().err
     assert header.read_text() == "mine"
     assert [path.name for path in header.parent.iterdir()] == ["lean_alarm.hpp"]
@@ -53,6 +53,6 @@ def test_nothing_is_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 def test_what_cannot_be_made(
     arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.main(["new", *arguments, "--in", str(tmp_path)]) == 1
+    assert cli.main(["new", *arguments, "--in", str(tmp_path)]) == 2
     assert capsys.readouterr().err.startswith(message)
     assert list(tmp_path.iterdir()) == []

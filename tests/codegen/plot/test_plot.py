@@ -74,13 +74,13 @@ def test_a_log_that_cannot_be_read(
 ) -> None:
     if content is not None:
         (tmp_path / name).write_bytes(content)
-    assert cli.main(["plot", str(tmp_path / name)]) == 1
+    assert cli.main(["plot", str(tmp_path / name)]) == 2
     assert message in capsys.readouterr().err
     assert not (tmp_path / name).with_suffix(".png").exists()
 
 
 def test_a_kind_of_picture_that_is_none(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["plot", str(log), "-o", str(log.with_name("flight.doc"))]) == 1
+    assert cli.main(["plot", str(log), "-o", str(log.with_name("flight.doc"))]) == 2
     assert (
         "'flight.doc' is no kind of picture\nhint: .png, .svg, .pdf are" in capsys.readouterr().err
     )

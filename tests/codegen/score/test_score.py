@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import csv
 import gzip
 import json
@@ -13,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stator import score
+from stator import cli, score
 from stator.build import build
 
 DATA = Path(os.environ.get("STATOR_DATA", "/nonexistent")) / "broad"
@@ -37,9 +36,7 @@ def figures(error: score.Array) -> tuple[float, float, float]:
 
 
 def run(folder: Path, *, as_json: bool = False) -> int:
-    parser = argparse.ArgumentParser()
-    score.add_arguments(parser)
-    return score.main(parser.parse_args(["attitude", str(folder), *(["--json"] * as_json)]))
+    return cli.main(["score", "attitude", str(folder), *(["--json"] * as_json)])
 
 
 def recording(samples: int = 3000) -> score.Array:
@@ -180,11 +177,14 @@ def make_bad_peers(folder: Path) -> Path:
 @pytest.mark.parametrize(
     ("make", "problem"),
     [
-        (make_missing, "there is no folder '{folder}/nowhere'; name one with *.f32.gz recordings"),
-        (make_empty, "no recordings in '{folder}'; their names end in .f32.gz"),
+        (
+            make_missing,
+            "there is no folder '{folder}/nowhere'\nhint: name one with *.f32.gz recordings",
+        ),
+        (make_empty, "no recordings in '{folder}'\nhint: their names end in .f32.gz"),
         (make_corrupt, "'{folder}/a.f32.gz' is no sound gzip file ("),
         (make_not_gzip, "'{folder}/a.f32.gz' is no sound gzip file (Not a gzipped file"),
-        (make_truncated, "'{folder}/a.f32.gz' ends too early; fetch the file again"),
+        (make_truncated, "'{folder}/a.f32.gz' ends too early\nhint: fetch the file again"),
         (make_wrong_size, "'{folder}/a.f32.gz' holds 167980 bytes, not 14 planes of float32"),
         (make_of_nothing, "'{folder}/a.f32.gz' holds 0 bytes, not 14 planes of float32"),
         (make_a_folder, "cannot read '{folder}/a.f32.gz' (Is a directory)"),
@@ -193,15 +193,15 @@ def make_bad_peers(folder: Path) -> Path:
         (make_bad_peers, "cannot understand '{folder}/peer_rmse.csv'"),
     ],
 )
-def test_it_refuses_in_one_line(
+def test_it_refuses(
     make: object, problem: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert callable(make)
-    assert run(make(tmp_path), as_json=True) == 1
+    assert run(make(tmp_path), as_json=True) == 2
     output = capsys.readouterr()
     assert output.out == ""
     assert output.err.startswith("error: " + problem.format(folder=tmp_path))
-    assert output.err.count("\n") == 1
+    assert output.err.count("\n") == 2
 
 
 # --- the estimator ---

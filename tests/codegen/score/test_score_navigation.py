@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import gzip
 import io
 import json
@@ -14,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stator import flight_recordings, navigation_metrics, navigation_peer, score
+from stator import cli, flight_recordings, navigation_metrics, navigation_peer, score
 
 DATA = Path(os.environ.get("STATOR_DATA", "/nonexistent"))
 SECONDS = 70
@@ -22,9 +21,7 @@ NAMES = ("IMU.txt", "GPS.txt", "MAG.txt", "NTUN.txt", "ATT.txt", "timing.txt")
 
 
 def run(folder: Path, *, as_json: bool = True) -> int:
-    parser = argparse.ArgumentParser()
-    score.add_arguments(parser)
-    return score.main(parser.parse_args(["navigation", str(folder), *(["--json"] * as_json)]))
+    return cli.main(["score", "navigation", str(folder), *(["--json"] * as_json)])
 
 
 def rows(period_ms: float, *values: float) -> score.Array:
@@ -88,7 +85,7 @@ def test_a_missing_table_is_named(
     content = tables()
     del content[missing]
     write(tmp_path, "still", content)
-    assert run(tmp_path) == 1
+    assert run(tmp_path) == 2
     captured = capsys.readouterr()
     assert f"has no {missing}" in captured.err
     assert captured.out == ""
@@ -107,10 +104,10 @@ def test_other_files_are_refused(
     name: str, data: bytes, problem: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / name).write_bytes(data)
-    assert run(tmp_path) == 1
+    assert run(tmp_path) == 2
     error = capsys.readouterr().err
     assert problem in error
-    assert error.count("\n") == 1
+    assert error.count("\n") == 2
 
 
 # --- metrics ---

@@ -1,0 +1,65 @@
+"""The exit status says the same of every command: docs/json.md."""
+
+from pathlib import Path
+
+import pytest
+
+from stator import cli
+from stator.library import HOME
+
+WRONG = "board: fmu_v2\nnodes:\n  imu0: {devcie: imu0}\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "wrong.yaml").write_text(WRONG)
+    (tmp_path / "wrong.ulg").write_text("no log")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("graph", ["wrong.yaml", "missing.yaml"])
+def test_errors_are_the_answer_of_check(folder: Path, graph: str) -> None:
+    assert cli.main(["check", graph]) == 1
+    assert cli.main(["check", graph, "--json"]) == 1
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "gen wrong.yaml -o out",
+        "graph wrong.yaml -o out.svg",
+        "graph {home}/graph/quad.yaml -o out.gif",
+        "explain wrong.yaml imu0",
+        "explain {home}/graph/quad.yaml imu1",
+        "new app 9x",
+        "new graph wrong",
+        "fly wrong.yaml",
+        "fly --mission wrong.yaml",
+        "fly --mission missing.yaml",
+        "run wrong.yaml",
+        "build wrong.yaml",
+        "build {home}/graph/quad.yaml --board linux",
+        "flash wrong.yaml",
+        "emulate wrong.yaml",
+        "top --link missing",
+        "plot missing.ulg",
+        "plot wrong.ulg",
+        "replay missing.ulg",
+        "replay wrong.ulg",
+        "score attitude missing",
+        "score navigation missing",
+        "bench nothing",
+        "",
+    ],
+)
+def test_what_a_command_cannot_do(
+    folder: Path, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    before = sorted(folder.iterdir())
+    assert cli.main(command.format(home=HOME).split()) == 2
+    captured = capsys.readouterr()
+    assert not captured.out
+    assert "error: " in captured.err or "usage: " in captured.err
+    assert "Traceback" not in captured.err
+    assert sorted(folder.iterdir()) == before
