@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING
 
 from stator.diagnostics import shown_path
@@ -17,8 +18,9 @@ if TYPE_CHECKING:
     from stator.plan import Plan, Task
     from stator.plan_topics import TopicPlan
 
+Row = tuple[str, str]  # what it is, and what there is to say of it
 
-LABEL_WIDTH = 36
+COLUMNS = 100
 WAYS = {
     "trigger": "each activation takes one, in order",
     "thinned": "latest",
@@ -30,57 +32,62 @@ WAYS = {
 def explain(plan: Plan, name: str) -> list[str] | None:
     """Lines for a node or a topic; None if the graph has neither."""
     if name in plan.graph.nodes:
-        return _node(plan, plan.task(name))
+        task = plan.task(name)
+        rows = [*_runs(plan, task), *_ports(plan, task.node), *_params(task.node)]
+        return _text(f"{name}: {task.node.interface.doc}", rows)
     if name in plan.topics:
-        return _topic(plan, plan.topics[name])
+        topic = plan.topics[name]
+        return _text(f"{name}: {topic.message.doc}", _topic(plan, topic))
     return None
 
 
-def _node(plan: Plan, task: Task) -> list[str]:
+def _runs(plan: Plan, task: Task) -> list[Row]:
+    """When and where a node runs."""
     node = task.node
-    rates = Rates(plan.graph)
-    lines = [
-        f"{node.name}: {node.interface.doc}",
-        _row("in", f"{shown_path(node.mark.file)}:{node.mark.line}"),
-        _row("app" if node.device is None else "device", _what(plan, node)),
-        _row("wakes on", triggers_text(node)),
-        _row("at most every", _period(rates.node(node.name))),
-        _row("level", _level(plan, task)),
+    rows = [
+        ("in", f"{shown_path(node.mark.file)}:{node.mark.line}"),
+        ("app" if node.device is None else "device", _what(plan, node)),
+        ("wakes on", triggers_text(node)),
+        ("at most every", _period(Rates(plan.graph).node(node.name))),
+        ("level", _level(plan, task)),
     ]
     if task.vector is not None and plan.board.chip is not None:
-        lines.append(
-            _row(
-                "vector",
-                f"{task.vector} of {plan.board.chip.name.split('/')[-1]}, "
-                + _vector_reason(plan, node),
-            )
-        )
+        chip = plan.board.chip.name.split("/")[-1]
+        rows.append(("vector", f"{task.vector} of {chip}, {_vector_reason(plan, node)}"))
     peers = [t.node.name for t in plan.tasks if t.level == task.level]
     if len(peers) > 1:
-        lines.append(_row("order", f"in its level: {', '.join(peers)}"))
-    lines.append(_row("preempted by", _names(t for t in plan.tasks if t.level > task.level)))
-    lines.append(_row("preempts", _names(t for t in plan.tasks if t.level < task.level)))
+        rows.append(("order", f"in its level: {', '.join(peers)}"))
+    rows.append(("preempted by", _names(t for t in plan.tasks if t.level > task.level)))
+    rows.append(("preempts", _names(t for t in plan.tasks if t.level < task.level)))
+    owned = sum(_bytes(t) for t in plan.topics.values() if node.name in (t.owner, *t.publishers))
+    rows.append(("memory", f"{owned} bytes of slots; ./stator build shows code and state"))
+    return rows
+
+
+def _ports(plan: Plan, node: Node) -> list[Row]:
+    rows = []
     for key, source in node.inputs.items():
         topic = plan.topics[source.topic]
         kind = WAYS[node.way_of(source)]
         age = f", absent when older than {source.max_age_us} us" if source.max_age_us else ""
-        lines.append(
-            _row(
-                f"reads {key}",
-                f"{topic.name} ({topic.message.name}) from "
-                f"{', '.join(topic.publishers)}; {kind}{age}",
-            )
-        )
+        publishers = ", ".join(topic.publishers)
+        text = f"{topic.name} ({topic.message.name}) from {publishers}; {kind}{age}"
+        rows.append((f"reads {key}", text))
     for key, output in node.outputs.items():
         readers = ", ".join(name for name, _ in plan.topics[output.topic].readers) or "nobody"
-        lines.append(_row(f"writes {key}", f"{output.topic}, read by {readers}"))
+        rows.append((f"writes {key}", f"{output.topic}, read by {readers}"))
+    return rows
+
+
+def _params(node: Node) -> list[Row]:
+    rows = []
     for key, param in node.interface.params.items():
         value = node.params[key]
         unit = "" if param.unit == "1" else f" {param.unit}"
         shown = str(value).lower() if isinstance(value, bool) else f"{float(value):g}{unit}"
         note = "" if value != param.default else " (default)"
-        lines.append(_row(f"param {key}", f"{shown}{note}: {param.doc}"))
-    return lines
+        rows.append((f"param {key}", f"{shown}{note}: {param.doc}"))
+    return rows
 
 
 def _level(plan: Plan, task: Task) -> str:
@@ -90,7 +97,7 @@ def _level(plan: Plan, task: Task) -> str:
     return f"{task.level}, number {place} in urgency of {len(levels)}; {reason}"
 
 
-def _topic(plan: Plan, topic: TopicPlan) -> list[str]:
+def _topic(plan: Plan, topic: TopicPlan) -> list[Row]:
     levels = {task.node.name: task.level for task in plan.tasks}
 
     def with_level(name: str) -> str:
@@ -99,25 +106,41 @@ def _topic(plan: Plan, topic: TopicPlan) -> list[str]:
     log = {None: "not logged", 0: "every sample"}.get(topic.log_us, f"every {topic.log_us} us")
     guard = "no critical section: one level publishes"
     if topic.ceiling:
-        guard = f"loan and commit keep levels up to {topic.ceiling} out: several levels publish"
+        guard = (
+            f"loan and commit keep levels up to {topic.ceiling} out, as several levels publish; "
+            "./stator build shows for how many instructions"
+        )
+    publishers = ", ".join(map(with_level, topic.publishers))
     return [
-        f"{topic.name}: {topic.message.doc}",
-        _row("message", f"{topic.message.name}, {topic.message.bytes} bytes"),
-        _row(
-            "from",
-            ", ".join(map(with_level, topic.publishers)) or f"the parameters of {topic.owner}",
-        ),
-        _row("read by", ", ".join(with_level(name) for name, _ in topic.readers) or "nobody"),
-        _row("at most every", _period(topic.period_us)),
-        _row("depth", str(topic.depth)),
-        _row("slots", f"{topic.slots}, so {topic.slots * topic.message.bytes} bytes"),
-        _row("publishing", guard),
-        _row("log", log),
+        ("message", f"{topic.message.name}, {topic.message.bytes} bytes"),
+        ("from", publishers or f"the parameters of {topic.owner}"),
+        ("read by", ", ".join(with_level(name) for name, _ in topic.readers) or "nobody"),
+        ("at most every", _period(topic.period_us)),
+        ("depth", str(topic.depth)),
+        ("slots", f"{topic.slots}, so {_bytes(topic)} bytes"),
+        ("publishing", guard),
+        ("log", log),
     ]
 
 
-def _row(label: str, text: str) -> str:
-    return f"  {label:<{LABEL_WIDTH}}{text}"
+def _text(title: str, rows: list[Row]) -> list[str]:
+    """Long rows go on below, beside what they belong to."""
+    width = max(len(label) for label, _ in rows)
+    lines = textwrap.wrap(title, COLUMNS)
+    for label, text in rows:
+        lines += textwrap.wrap(
+            text,
+            COLUMNS,
+            initial_indent=f"  {label:<{width}}  ",
+            subsequent_indent=" " * (width + 4),
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+    return lines
+
+
+def _bytes(topic: TopicPlan) -> int:
+    return topic.slots * topic.message.bytes
 
 
 def _names(tasks: Iterable[Task]) -> str:

@@ -1,0 +1,36 @@
+"""What `./stator explain` says of nodes and topics."""
+
+import pytest
+
+from stator.cli import make_plan
+from stator.explain import explain
+from stator.library import HOME
+from stator.plan import Plan
+
+
+@pytest.fixture(scope="module")
+def plan() -> Plan:
+    return make_plan(str(HOME / "graph" / "quad_outdoor.yaml"), None)
+
+
+def test_lines_fit_a_terminal(plan: Plan) -> None:
+    for name in (*plan.graph.nodes, *plan.topics):
+        for line in explain(plan, name) or []:
+            assert len(line) <= 100, line
+
+
+def test_nothing_is_lost_where_a_row_goes_on_below(plan: Plan) -> None:
+    text = " ".join(" ".join(explain(plan, "commander") or []).split())
+    above = [task.node.name for task in plan.tasks if task.level > plan.task("commander").level]
+    assert "preempted by " + ", ".join(above) + " preempts" in text
+
+
+def test_a_node_says_what_its_topics_take(plan: Plan) -> None:
+    owned = [plan.topics[name] for name in ("trajectory_setpoint", "trajectory_params")]
+    expected = sum(topic.slots * topic.message.bytes for topic in owned)
+    lines = explain(plan, "trajectory") or []
+    assert any(f" {expected} bytes of slots" in line for line in lines), lines
+
+
+def test_what_is_neither(plan: Plan) -> None:
+    assert explain(plan, "nothing") is None
