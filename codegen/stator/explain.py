@@ -6,6 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from stator.diagnostics import shown_path
+from stator.period import spelled_us
 from stator.plan_text import triggers_text
 from stator.rates import Rates
 from stator.shapes import quoted
@@ -69,7 +70,9 @@ def _ports(plan: Plan, node: Node) -> list[Row]:
     for key, source in node.inputs.items():
         topic = plan.topics[source.topic]
         kind = WAYS[node.way_of(source)]
-        age = f", absent when older than {source.max_age_us} us" if source.max_age_us else ""
+        age = (
+            f", absent when older than {spelled_us(source.max_age_us)}" if source.max_age_us else ""
+        )
         publishers = ", ".join(topic.publishers)
         text = f"{topic.name} ({topic.message.name}) from {publishers}; {kind}{age}"
         rows.append((f"reads {key}", text))
@@ -103,7 +106,9 @@ def _topic(plan: Plan, topic: TopicPlan) -> list[Row]:
     def with_level(name: str) -> str:
         return f"{name} (level {levels[name]})"
 
-    log = {None: "not logged", 0: "every sample"}.get(topic.log_us, f"every {topic.log_us} us")
+    log = "not logged"
+    if topic.log_us is not None:
+        log = f"every {spelled_us(topic.log_us)}" if topic.log_us else "every sample"
     guard = "no critical section: one level publishes"
     if topic.ceiling:
         guard = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stator.graph_hash import graph_hash
+from stator.period import spelled_us
 
 if TYPE_CHECKING:
     from stator.model import Node
@@ -48,18 +49,20 @@ def triggers_text(node: Node) -> str:
     parts = []
     for trigger in node.triggers:
         if trigger.kind == "every":
-            part = f"every {trigger.period_us} us"
-            part += f" + {trigger.offset_us} us" if trigger.offset_us else ""
+            part = f"every {spelled_us(trigger.period_us or 0)}"
+            part += f" + {spelled_us(trigger.offset_us)}" if trigger.offset_us else ""
         else:
             part = f"{trigger.kind} {trigger.name}"
         if trigger.min_interval_us:
-            part += f" at most every {trigger.min_interval_us} us"
+            part += f" at most every {spelled_us(trigger.min_interval_us)}"
         parts.append(part)
     return ", ".join(parts)
 
 
 def _topic(topic: TopicPlan) -> tuple[str, ...]:
-    log = {None: "none", 0: "all"}.get(topic.log_us, f"every {topic.log_us} us")
+    log = "none"
+    if topic.log_us is not None:
+        log = f"every {spelled_us(topic.log_us)}" if topic.log_us else "all"
     return (
         topic.name,
         topic.message.name,

@@ -26,9 +26,10 @@ def test_nothing_is_lost_where_a_row_goes_on_below(plan: Plan) -> None:
 
 
 def test_a_node_says_what_its_topics_take(plan: Plan) -> None:
-    owned = [plan.topics[name] for name in ("trajectory_setpoint", "trajectory_params")]
+    names = ("vehicle_thrust_setpoint", "vehicle_torque_setpoint", "rate_control_params")
+    owned = [plan.topics[name] for name in names]
     expected = sum(topic.slots * topic.message.bytes for topic in owned)
-    lines = explain(plan, "trajectory") or []
+    lines = explain(plan, "rate_control") or []
     assert any(f" {expected} bytes of slots" in line for line in lines), lines
 
 
