@@ -70,11 +70,10 @@ def _ports(plan: Plan, node: Node) -> list[Row]:
     for key, source in node.inputs.items():
         topic = plan.topics[source.topic]
         kind = WAYS[node.way_of(source)]
-        age = (
-            f", absent when older than {spelled_us(source.max_age_us)}" if source.max_age_us else ""
-        )
         publishers = ", ".join(topic.publishers)
-        text = f"{topic.name} ({topic.message.name}) from {publishers}; {kind}{age}"
+        text = f"{topic.name} ({topic.message.name}) from {publishers}; {kind}"
+        if source.max_age_us:
+            text += f", absent when older than {spelled_us(source.max_age_us)}"
         rows.append((f"reads {key}", text))
     for key, output in node.outputs.items():
         readers = ", ".join(name for name, _ in plan.topics[output.topic].readers) or "nobody"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 from stator.diagnostics import UserError, shown_path
@@ -135,7 +136,7 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         rows.append(("next", "the same command flies the same flight again"))
         return rows
     file = Path(str(facts["log"]))
-    log = shown_path(file)
+    log = shlex.quote(shown_path(file))
     if file.stat().st_size:  # a graph without a logger leaves it empty
         rows.append(("next", f"./stator plot {log} draws it"))
     if facts["recording"] is not None:

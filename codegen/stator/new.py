@@ -73,6 +73,12 @@ def _app(name: str, folder: Path) -> dict[Path, str]:
     fields = {"name": name, "class": upper_camel(name), "message": f"{upper_camel(name)}Report"}
     messages = folder / ("graph/messages" if folder.resolve() == HOME else "messages")
     app = folder / "apps" / name
+    existing = HOME / "apps" / name
+    if existing.is_dir() and app.resolve() != existing:
+        raise UserError(
+            f"error: Stator has an app '{name}', which this one would replace in graphs beside it\n"
+            f"hint: choose another name; to change that one, copy {shown_path(existing)} into apps"
+        )
     return {
         messages / f"{fields['message']}.yaml": _render("message.yaml.j2", fields),
         app / f"{name}.yaml": _render("app.yaml.j2", fields),

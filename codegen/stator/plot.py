@@ -109,9 +109,10 @@ def read(file: Path) -> Flown:
 
     try:
         log = ULog(str(file))
-    except FileNotFoundError:
+    except OSError as error:
         raise UserError(
-            f"error: there is no log '{file}'\nhint: ./stator fly writes one, and says where"
+            f"error: cannot read '{file}': {error.strerror}\n"
+            "hint: ./stator fly writes a log, and says where"
         ) from None
     except Exception as error:  # whatever a broken file makes of the reader
         raise UserError(f"error: '{file}' is no ULog file that can be read: {error}") from None

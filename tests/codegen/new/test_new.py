@@ -47,6 +47,7 @@ def test_nothing_is_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         (["app", "../up"], "error: '../up' is no name"),
         (["app", "while"], "error: 'while' cannot be the name: it is a word of C++"),
         (["app", "topic"], "error: 'topic' cannot be the name: the runtime has taken it"),
+        (["app", "rate_control"], "error: Stator has an app 'rate_control', which this one would"),
         (["graph", "racer", "--app", "absent"], "error: there is no app 'absent' in "),
     ],
 )

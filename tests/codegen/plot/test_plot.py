@@ -61,7 +61,8 @@ def test_a_broken_limit_is_drawn_where_it_broke(log: Path, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("absent.ulg", None, "error: there is no log '"),
+        ("absent.ulg", None, "No such file or directory\nhint: ./stator fly writes a log"),
+        (".", None, "Is a directory\nhint: ./stator fly writes a log"),
         ("text.ulg", b"not a log", "is no ULog file that can be read"),
     ],
 )
