@@ -324,9 +324,9 @@ TEST(Navigation, KnowsHowWellItKnows) {
     double count = 0;
     for (uint64_t seed = 1; seed <= 12; ++seed) {
         NavigationRig rig = flying(seed);
-        rig.gnss_velocity_noise = rig.params.gnss_velocity_noise;
-        rig.gnss_position_noise = rig.params.gnss_position_noise;
-        rig.baro_noise = rig.params.baro_noise;
+        rig.gnss_velocity_noise = static_cast<double>(rig.params.gnss_velocity_noise);
+        rig.gnss_position_noise = static_cast<double>(rig.params.gnss_position_noise);
+        rig.baro_noise = static_cast<double>(rig.params.baro_noise);
         rig.run(40);
         for (int i = 0; i < 40; ++i) {
             rig.run(1);

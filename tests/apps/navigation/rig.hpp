@@ -64,11 +64,13 @@ class NavigationRig {
         return 2 * math::atan2(error.z(), error.w());
     }
     Vector3 velocity_error() const {
-        return Vector3(position.vx, position.vy, position.vz) - truth_velocity();
+        return Eigen::Vector3f(position.vx, position.vy, position.vz).cast<double>() -
+               truth_velocity();
     }
     // The origin of N is where the first fix said.
     Vector3 position_error() const {
-        return Vector3(position.x, position.y, position.z) - truth_position() + first_fix_error_;
+        return Eigen::Vector3f(position.x, position.y, position.z).cast<double>() -
+               truth_position() + first_fix_error_;
     }
 
     // One activation with these samples as they are.
