@@ -19,7 +19,7 @@ def test_a_folder_with_other_files_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "plan.txt").write_text("mine")
-    assert gen(tmp_path) == 1
+    assert gen(tmp_path) == 2
     assert "hint: name a folder that is new or empty" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["plan.txt"]
     assert (tmp_path / "plan.txt").read_text() == "mine"
@@ -41,7 +41,7 @@ def test_a_file_in_the_way_gives_an_error_with_a_hint(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "out").write_text("mine")
-    assert gen(tmp_path / "out") == 1
+    assert gen(tmp_path / "out") == 2
     assert "hint:" in capsys.readouterr().err
 
 

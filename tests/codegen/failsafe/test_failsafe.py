@@ -38,8 +38,8 @@ def read(content: dict[str, Any], folder: Path) -> bool:
 
 
 def next_mode(content: dict[str, Any], mode: str, event: str) -> str:
-    target: str = content["table"][mode][event]
-    return mode if target == "go_on" else target
+    mode_after: str = content["table"][mode][event]
+    return mode if mode_after == "go_on" else mode_after
 
 
 def is_sound(content: dict[str, Any]) -> bool:
