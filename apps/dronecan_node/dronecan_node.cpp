@@ -1,6 +1,7 @@
 // This vehicle as a node of a DroneCAN bus.
 #include "dronecan_node.hpp"
 
+#include <algorithm>
 #include <string_view>
 
 #include "stator/dronecan/port.hpp"
@@ -16,6 +17,8 @@ using dronecan::protocol::param::GetSet;
 
 constexpr std::string_view kName = "org.stator.vehicle";
 constexpr uint64_t kStatusPeriod_us = 1'000'000;
+// Since the start. The memory takes less than a second.
+constexpr uint64_t kLongestLoad_us = 10'000'000;
 constexpr unsigned kFramesPerRelease = 4;
 constexpr uint8_t kStatusPriority = 16;
 constexpr uint8_t kAllocationPriority = 30;
@@ -49,7 +52,9 @@ void DronecanNode::configure(const DronecanNodeParams& params) {
 }
 
 NodeStatus DronecanNode::status(uint64_t now_us) const {
-    return {.uptime_sec = static_cast<uint32_t>(now_us / 1'000'000)};
+    const bool warns = memory_is_bad_ || allocator_.is_full();
+    return {.uptime_sec = static_cast<uint32_t>(now_us / 1'000'000),
+            .health = warns ? NodeStatus::kHealthWarning : NodeStatus::kHealthOk};
 }
 
 template <class Message>
@@ -69,11 +74,30 @@ void DronecanNode::respond(const Response& response) {
         receiver_.transfer_id(), response);
 }
 
+// The status was taken before the records are read here, so that once it says that all are loaded,
+// none is still to come.
+void DronecanNode::read_memory(DronecanNodePorts& ports) {
+    while (ports.stored.next()) {
+        const StoredRecord& record = *ports.stored;
+        if (record.kind != StoredRecord::Kind::kCanNode) continue;
+        const std::size_t length = std::min<std::size_t>(record.length, record.data.size());
+        allocator_.remember(record.key, std::span(record.data).first(length));
+    }
+    if (ports.stored.lost() != 0) misses_records_ = true;
+    const bool has_memory = ports.store.is_connected();
+    const bool is_known = ports.memory && ports.memory->state != NonvolatileStatus::State::kLoading;
+    const bool is_late = !is_known && ports.now >= kLongestLoad_us;
+    may_give_ids_ = !has_memory || is_known || is_late;
+    const bool fails = is_known && (ports.memory->state == NonvolatileStatus::State::kFailed ||
+                                    ports.memory->refused != 0 || ports.memory->lost != 0);
+    memory_is_bad_ = has_memory && (misses_records_ || is_late || fails);
+}
+
 void DronecanNode::handle_allocation(DronecanNodePorts& ports) {
     Allocator::Message request;
     // With a sender, it is another allocator's.
     if (!read(request) || receiver_.header().source != 0) return;
-    if (!is_disarmed(ports) || allocation_sender_.is_busy()) return;
+    if (!is_disarmed(ports) || !may_give_ids_ || allocation_sender_.is_busy()) return;
     const auto answer = allocator_.answer(request, ports.now);
     if (!answer) return;
     allocation_sender_.begin({.priority = kAllocationPriority, .source = node_id_}, allocation_id_,
@@ -82,6 +106,12 @@ void DronecanNode::handle_allocation(DronecanNodePorts& ports) {
     if (answer->node_id == 0) return;
     ports.allocation.publish([&] {
         return CanAllocation{.node_id = answer->node_id, .unique_id = allocator_.unique_id()};
+    });
+    ports.store.publish([&] {
+        return StoredRecord{.key = answer->node_id,
+                            .kind = StoredRecord::Kind::kCanNode,
+                            .length = Allocator::kUniqueIdBytes,
+                            .data = allocator_.unique_id()};
     });
 }
 
@@ -151,6 +181,7 @@ void DronecanNode::step(DronecanNodePorts& ports) {
         params_ = *ports.params;
         configure(params_);
     }
+    read_memory(ports);
     while (ports.can.next()) receive(ports);
     if (ports.now >= next_status_us_) {
         next_status_us_ = ports.now + kStatusPeriod_us;

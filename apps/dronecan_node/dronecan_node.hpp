@@ -16,7 +16,9 @@ namespace stator {
 // Sends at most 4 frames in each activation, by a timer, so that a long answer leaves room on
 // the bus. One answer at a time: what is asked meanwhile goes unanswered, and whoever asked asks
 // again. Without a status the vehicle counts as armed: then nothing can be changed, and no id is
-// given away.
+// given away. Ids that were given away come back from the memory for records, if the graph has one;
+// until it has told all, none is given away. If it does not, the table is in this node alone, and
+// NodeStatus warns.
 class DronecanNode {
   public:
     DronecanNode();
@@ -34,6 +36,7 @@ class DronecanNode {
     void configure(const DronecanNodeParams& params);
     void receive(DronecanNodePorts& ports);
     void handle(DronecanNodePorts& ports);
+    void read_memory(DronecanNodePorts& ports);
     void handle_allocation(DronecanNodePorts& ports);
     void handle_info_request(uint64_t now_us);
     void handle_restart_request(DronecanNodePorts& ports);
@@ -53,6 +56,9 @@ class DronecanNode {
     DronecanNodeParams params_{};  // the graph's, and what a tool wrote since
     std::array<uint8_t, 4> serial_number_{};
     uint64_t next_status_us_ = 0;
+    bool may_give_ids_ = false;
+    bool misses_records_ = false;
+    bool memory_is_bad_ = false;
     uint8_t node_id_ = 0;
     uint8_t tool_ = 0;
     uint8_t status_id_ = 0;

@@ -23,6 +23,7 @@ from stator.flight_arguments import (
 )
 from stator.flight_facts import default_log, facts_of
 from stator.flight_report import flight_rows, log_row, show
+from stator.nonvolatile import add_nonvolatile_argument, nonvolatile_of, nonvolatile_rows, told_of
 from stator.progress import progress
 
 if TYPE_CHECKING:
@@ -30,7 +31,14 @@ if TYPE_CHECKING:
 
 SIGNALLED = 128  # and the number of the signal
 MOST_CPUS = 64
-OWN_FACTS = ("missed_samples", "missed_releases", "real_time", "not_allowed", "levels")
+OWN_FACTS = (
+    "missed_samples",
+    "missed_releases",
+    "real_time",
+    "not_allowed",
+    "levels",
+    "nonvolatile",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="the motor controllers and the receiver on the CAN bus are real: simulate none",
     )
+    add_nonvolatile_argument(parser)
     parser.add_argument(
         "--cpus",
         type=cpus_of,
@@ -74,9 +83,10 @@ def main(arguments: argparse.Namespace) -> int:
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     program = build(arguments.graph, arguments.board, recording_of(arguments), executor="pthread")
     flies = _flies(arguments)
+    memory = nonvolatile_of(arguments, log)
     name = f"running {arguments.graph.stem} for {arguments.duration:g} s at most; Ctrl-C ends it"
     with progress(name, truth, arguments.duration):
-        finished = _run(program, log, truth, arguments)
+        finished = _run(program, log, truth, memory, arguments)
     if finished.returncode == NOT_DONE:
         raise UserError(finished.stderr.rstrip())
     facts = _facts(
@@ -88,12 +98,14 @@ def main(arguments: argparse.Namespace) -> int:
         is_recorded=is_recorded(arguments),
         in_wind=is_windy(arguments),
     )
+    facts["nonvolatile"] = told_of(memory, facts.get("nonvolatile"))
     facts |= rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     if arguments.json:
         print(json.dumps(facts, indent=2))
     else:
-        show(facts, [*flight_rows(facts), *_run_rows(facts), log_row(facts)])
+        rows = [*flight_rows(facts), *_run_rows(facts), *nonvolatile_rows(facts), log_row(facts)]
+        show(facts, rows)
     if finished.returncode > SIGNALLED:
         return finished.returncode
     return 0 if facts["success"] else ANSWER_IS_NO
@@ -115,7 +127,7 @@ def _flies(arguments: argparse.Namespace) -> bool:
 
 
 def _run(
-    program: Path, log: Path, truth: Path, arguments: argparse.Namespace
+    program: Path, log: Path, truth: Path, memory: Path | None, arguments: argparse.Namespace
 ) -> subprocess.CompletedProcess[str]:
     """Signals end the program in order, which then says what there was until then."""
     command = [str(program), "--log", str(log), "--truth", str(truth)]
@@ -123,6 +135,8 @@ def _run(
     if arguments.can is not None:
         parts = "no" if arguments.no_can_parts else "yes"
         command += ["--can", arguments.can, "--can-parts", parts]
+    if memory is not None:
+        command += ["--nonvolatile", str(memory)]
     if arguments.cpus is not None:
         command += ["--cpus", f"{arguments.cpus:x}"]
     before = {}

@@ -3,6 +3,8 @@
 
 #include <initializer_list>
 #include <memory>
+#include <numeric>
+#include <optional>
 #include <vector>
 
 #include "can_esc.hpp"
@@ -251,7 +253,19 @@ TEST(DronecanAllocator, gives_the_same_part_the_same_id_even_without_its_table) 
     full.set_range(50, 51);
     full.note_taken(50);
     EXPECT_EQ(allocate(full, 1), 51);
+    EXPECT_FALSE(full.is_full());
     EXPECT_EQ(allocate(full, 2), 0) << "no id is left";
+    EXPECT_TRUE(full.is_full());
+    EXPECT_EQ(allocate(full, 1), 51) << "which is its own";
+}
+
+TEST(DronecanAllocator, remembers_only_what_can_be_an_id) {
+    Allocator allocator;
+    const Allocator::UniqueId part{1};
+    allocator.remember(0, part);
+    allocator.remember(128, part);
+    allocator.remember(UINT32_MAX, part);
+    allocator.remember(60, std::span(part).first(15));
 }
 
 TEST(DronecanAllocator, a_piece_that_comes_late_or_out_of_turn_is_no_continuation) {
@@ -294,14 +308,22 @@ struct NodeTest : ::testing::Test {
             now_us += 2000;
             VehicleStatus status{.arming_state = armed ? VehicleStatus::ArmingState::kArmed
                                                        : VehicleStatus::ArmingState::kDisarmed};
-            DronecanNodePorts ports{.now = now_us,
-                                    .can = i < frames.size() ? Input(frames[i]) : Input<CanFrame>(),
-                                    .status = Input(status),
-                                    .params = Input(params, is_first)};
+            DronecanNodePorts ports{
+                .now = now_us,
+                .can = i < frames.size() ? Input(frames[i]) : Input<CanFrame>(),
+                .status = Input(status),
+                .stored = next_record < stored.size() ? Input(stored[next_record])
+                                                      : Input<StoredRecord>(),
+                .memory = has_memory ? Input(memory) : Input<NonvolatileStatus>(),
+                .params = Input(params, is_first)};
             is_first = false;
             stator::testing::Probe sent(ports.frames, now_us);
             stator::testing::Probe restart(ports.restart, now_us);
+            std::optional<stator::testing::Probe<StoredRecord>> store;
+            if (has_memory) store.emplace(ports.store, now_us);
             node.step(ports);
+            ++next_record;
+            if (store && store->count() != 0) kept = store->newest();
             sent_count += sent.count();
             restarts += restart.count();
             if (sent.count() != 0) newest = sent.newest();
@@ -317,6 +339,11 @@ struct NodeTest : ::testing::Test {
                               .first_given = 50,
                               .last_given = 125};
     bool armed = false;
+    bool has_memory = false;
+    NonvolatileStatus memory{.state = NonvolatileStatus::State::kLoading};
+    std::vector<StoredRecord> stored;  // one in each activation
+    std::size_t next_record = 0;
+    StoredRecord kept{};
     bool is_first = true;
     uint64_t now_us = 1'000'000;
     uint32_t sent_count = 0;
@@ -357,6 +384,94 @@ TEST_F(NodeTest, restarts_for_the_tool_and_disarmed_only) {
     run(frames_of(request, 127, now_us, 3), 1);
     EXPECT_EQ(restarts, 1U);
     EXPECT_TRUE(decoded<Restart::Response>(newest).ok);
+}
+
+// A graph with a memory for records.
+struct MemoryTest : NodeTest {
+    using Allocation = Allocator::Message;
+    using State = NonvolatileStatus::State;
+
+    MemoryTest() { has_memory = true; }
+
+    static Allocator::UniqueId part(uint8_t seed) {
+        Allocator::UniqueId id;
+        std::iota(id.begin(), id.end(), seed);
+        return id;
+    }
+    static StoredRecord record_of(uint8_t node, uint8_t seed) {
+        return {
+            .key = node, .kind = StoredRecord::Kind::kCanNode, .length = 16, .data = part(seed)};
+    }
+    // The id that a part is given and that is kept; 0: none.
+    uint32_t ask(uint8_t seed, uint8_t preferred = 0) {
+        kept = {};
+        const auto unique_id = part(seed);
+        for (unsigned first = 0; first < 16; first += 6) {
+            Allocation request{.node_id = preferred, .first_part_of_unique_id = first == 0};
+            request.unique_id.assign(std::span(unique_id).subspan(first, first < 12 ? 6 : 4));
+            run(frames_of(request, 0, now_us, transfer_id++ % 32U), 3);
+        }
+        if (kept.key != 0) {
+            EXPECT_EQ(kept.data, unique_id);
+        }
+        return kept.key;
+    }
+    uint8_t health() {
+        run({}, 500);
+        sent_count = 0;
+        while (sent_count == 0) run({}, 1);
+        return decoded<dronecan::protocol::NodeStatus>(newest).health;
+    }
+
+    uint8_t transfer_id = 0;
+};
+
+TEST_F(MemoryTest, an_id_is_given_once_all_records_are_loaded) {
+    EXPECT_EQ(ask(1), 0U);
+    memory.state = State::kLoaded;
+    EXPECT_NE(ask(1), 0U);
+    EXPECT_EQ(health(), 0);
+}
+
+TEST_F(MemoryTest, a_part_gets_the_id_that_it_had_and_no_other_part_does) {
+    // 77 is not where the first part's unique id points.
+    stored = {record_of(90, 9), record_of(77, 1)};
+    stored[0].kind = StoredRecord::Kind::kParameter;
+    run({}, 2);
+    memory.state = State::kLoaded;
+    EXPECT_EQ(ask(1), 77U);
+    EXPECT_NE(ask(2, 77), 77U);
+    EXPECT_EQ(ask(3, 90), 90U) << "what is no id takes none";
+}
+
+TEST_F(MemoryTest, one_that_never_says_so_is_not_waited_for) {
+    EXPECT_EQ(ask(1), 0U);
+    now_us = 10'000'000;
+    EXPECT_NE(ask(1), 0U);
+    EXPECT_EQ(health(), 1) << "a warning";
+}
+
+TEST_F(MemoryTest, without_one_that_works_the_table_is_here_alone_and_that_is_told) {
+    memory.state = State::kFailed;
+    const auto id = ask(1);
+    EXPECT_NE(id, 0U);
+    EXPECT_EQ(ask(1), id);
+    EXPECT_EQ(health(), 1);
+}
+
+TEST_F(MemoryTest, a_record_that_is_not_kept_is_told) {
+    memory = {.refused = 1, .state = State::kLoaded};
+    EXPECT_EQ(health(), 1);
+}
+
+TEST_F(MemoryTest, a_full_table_is_told) {
+    memory.state = State::kLoaded;
+    params.first_given = 50;
+    params.last_given = 50;
+    EXPECT_EQ(ask(1), 50U);
+    EXPECT_EQ(health(), 0);
+    EXPECT_EQ(ask(2), 0U);
+    EXPECT_EQ(health(), 1);
 }
 
 }  // namespace

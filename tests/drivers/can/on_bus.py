@@ -6,6 +6,7 @@ The program under test is named by STATOR_LINK; its graph is graphs/link.yaml.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import socket
@@ -40,14 +41,21 @@ FRAME = struct.Struct("=IB3x8s")
 BUS_OFF, RESTARTED = 0x40, 0x100  # of linux/can/error.h
 
 
+class NeverCame(AssertionError):
+    """A frame that was waited for."""
+
+
 class Link:
     """The program, on the bus until `stop`."""
 
-    def __init__(self, log: Path) -> None:
+    def __init__(self, log: Path, records: Path) -> None:
         self.log = log
+        options = ["--nonvolatile", str(records)]
         command = [PROGRAM, "--can", BUS, "--can-parts", "no", "--log", str(log)]
         self.process = subprocess.Popen(
-            [*command, "--duration", "1000"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+            [*command, "--duration", "1000", *options],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
         )
 
     def stop(self) -> ULog:
@@ -59,12 +67,24 @@ class Link:
 
 
 @pytest.fixture
-def link(tmp_path: Path) -> Iterator[Link]:
-    link = Link(tmp_path / "link.ulg")
-    yield link
-    if link.process.poll() is None:
-        link.process.kill()
-        link.process.communicate()
+def start(tmp_path: Path) -> Iterator[Callable[[], Link]]:
+    """Starts the program, as often as it is called; all have one memory for records."""
+    links: list[Link] = []
+
+    def start() -> Link:
+        links.append(Link(tmp_path / f"link-{len(links)}.ulg", tmp_path / "records"))
+        return links[-1]
+
+    yield start
+    for link in links:
+        if link.process.poll() is None:
+            link.process.kill()
+            link.process.communicate()
+
+
+@pytest.fixture
+def link(start: Callable[[], Link]) -> Link:
+    return start()
 
 
 def raw_socket() -> socket.socket:
@@ -74,14 +94,16 @@ def raw_socket() -> socket.socket:
     return bus
 
 
-def next_frame(bus: socket.socket, wanted: Callable[[int], bool]) -> tuple[int, bytes]:
+def next_frame(
+    bus: socket.socket, wanted: Callable[[int], bool], patience_s: float = PATIENCE_S
+) -> tuple[int, bytes]:
     """The next extended frame of a wanted identifier."""
-    end = time.monotonic() + PATIENCE_S
+    end = time.monotonic() + patience_s
     while time.monotonic() < end:
         identifier, length, data = FRAME.unpack(bus.recv(16))
         if identifier & socket.CAN_EFF_FLAG and wanted(identifier & socket.CAN_EFF_MASK):
             return identifier & socket.CAN_EFF_MASK, data[:length]
-    raise AssertionError("it never came")
+    raise NeverCame
 
 
 def send(bus: socket.socket, identifier: int, data: bytes) -> None:
@@ -201,7 +223,15 @@ def test_a_node_monitor_knows_us(link: Link, peer: Any) -> None:
 
 
 def allocate(bus: socket.socket, unique_id: bytes, preferred: int = 0) -> int:
-    """Plays a part without an id: three pieces, each after the answer to the one before."""
+    """Plays a part without an id, which asks until it is heard."""
+    for _ in range(10):
+        with contextlib.suppress(NeverCame):
+            return ask_for_id(bus, unique_id, preferred)
+    raise NeverCame
+
+
+def ask_for_id(bus: socket.socket, unique_id: bytes, preferred: int) -> int:
+    """Three pieces, each after the answer to the one before."""
     pieces = [unique_id[:6], unique_id[6:12], unique_id[12:]]
     known = b""
     for number, piece in enumerate(pieces):
@@ -221,7 +251,7 @@ def allocate(bus: socket.socket, unique_id: bytes, preferred: int = 0) -> int:
 def receive_allocation(bus: socket.socket) -> Any:
     payload = []
     while True:
-        _, data = next_frame(bus, lambda i: i & 0xFFFFFF == 0x00010A)
+        _, data = next_frame(bus, lambda i: i & 0xFFFFFF == 0x00010A, patience_s=3.0)
         payload.append(data)
         if data[-1] & 0x40:
             break
@@ -242,6 +272,24 @@ def test_parts_are_given_ids_and_the_same_again() -> None:
         assert three == 55
         assert all(50 <= node <= 125 for node in (one, two, three))
         assert allocate(bus, bytes(range(16))) == one
+
+
+def test_a_part_gets_its_id_again_after_a_restart(start: Callable[[], Link]) -> None:
+    """An id that does not follow from the part's own: it is the one that it prefers at first."""
+    one, two = bytes(range(16)), bytes(range(1, 17))
+    link = start()
+    with raw_socket() as bus:
+        wait_for_us(bus)
+        assert allocate(bus, one, preferred=120) == 120
+    first = newest(link.stop(), "nonvolatile_status")
+    assert (first["state"], first["records"], first["refused"]) == (1, 1, 0)
+    link = start()
+    with raw_socket() as bus:
+        wait_for_us(bus)
+        assert allocate(bus, two, preferred=120) != 120
+        assert allocate(bus, one) == 120
+    second = newest(link.stop(), "nonvolatile_status")
+    assert (second["state"], second["records"], second["mended"]) == (1, 2, 0)
 
 
 def test_parameters_are_listed_read_and_written(link: Link, peer: Any) -> None:
