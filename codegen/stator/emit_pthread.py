@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from stator.check_parts import MODE_TOPIC
 from stator.emit_rows import watched
+from stator.graph_hash import graph_hash
 from stator.language import DEPTHS
 
 if TYPE_CHECKING:
@@ -35,6 +36,10 @@ def program(plan: Plan) -> Row:
         "task_count": len(plan.tasks),
         "timer_count": first_timer,
         "watched": watched(plan),
+        "topics": list(plan.topics),
+        "board": plan.board.name,
+        "graph": plan.graph.name,
+        "graph_hash": graph_hash(plan),
     }
 
 
@@ -54,8 +59,8 @@ def depth(plan: Plan, topic: TopicPlan) -> int:
 
 def slots(plan: Plan, topic: TopicPlan) -> int:
     """D + what each level may hold besides, as levels truly run at once: the newest sample that it
-    has read, one that it takes from the queue, one that it builds. docs/topics.md has the argument.
-    """
+    has read, one that it takes from the queue, one that it builds; and the newest that the link has
+    told of. docs/topics.md has the argument."""
     held = {(name, _hold(plan, name, port)) for name, port in topic.readers}
     held |= {(name, "loan") for name in topic.publishers}
     if topic.log_us is not None:
@@ -66,7 +71,8 @@ def slots(plan: Plan, topic: TopicPlan) -> int:
         held.add((modes.publisher, "latest"))  # the switch follows the newest
     by_the_start = 0 if topic.publishers else 1  # which publishes parameters
     levels = {(plan.task(name).level, kind) for name, kind in held}
-    return depth(plan, topic) + len(levels) + by_the_start
+    of_the_link = 1
+    return depth(plan, topic) + len(levels) + by_the_start + of_the_link
 
 
 def _hold(plan: Plan, name: str, port: str) -> str:

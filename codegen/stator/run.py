@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stator.build import build
-from stator.cli import make_plan
-from stator.diagnostics import ANSWER_IS_NO, NOT_DONE, UserError
+from stator.cli import make_plan, path
+from stator.diagnostics import ANSWER_IS_NO, NOT_DONE, UserError, shown_path
 from stator.flight_arguments import (
     add_flight_arguments,
     flight_options,
@@ -23,6 +23,8 @@ from stator.flight_arguments import (
 )
 from stator.flight_facts import default_log, facts_of
 from stator.flight_report import flight_rows, log_row, show
+from stator.link import DEFAULT as LINK
+from stator.link import free_place, socket_place
 from stator.nonvolatile import add_nonvolatile_argument, nonvolatile_of, nonvolatile_rows, told_of
 from stator.progress import progress
 
@@ -52,6 +54,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the motor controllers and the receiver on the CAN bus are real: simulate none",
     )
     add_nonvolatile_argument(parser)
+    parser.add_argument(
+        "--link",
+        type=path,
+        metavar="PATH",
+        help="where ./stator top, listener and perf find this run (default: build/link, or "
+        "build/link2 and so on if another one has it)",
+    )
     parser.add_argument(
         "--cpus",
         type=cpus_of,
@@ -84,9 +93,12 @@ def main(arguments: argparse.Namespace) -> int:
     program = build(arguments.graph, arguments.board, recording_of(arguments), executor="pthread")
     flies = _flies(arguments)
     memory = nonvolatile_of(arguments, log)
+    link = free_place() if arguments.link is None else socket_place(arguments.link)
+    if not arguments.json:
+        _tell_link(link, chosen=arguments.link is not None)
     name = f"running {arguments.graph.stem} for {arguments.duration:g} s at most; Ctrl-C ends it"
     with progress(name, truth, arguments.duration):
-        finished = _run(program, log, truth, memory, arguments)
+        finished = _run(program, log, truth, memory, link, arguments)
     if finished.returncode == NOT_DONE:
         raise UserError(finished.stderr.rstrip())
     facts = _facts(
@@ -100,6 +112,7 @@ def main(arguments: argparse.Namespace) -> int:
     )
     facts["nonvolatile"] = told_of(memory, facts.get("nonvolatile"))
     facts |= rates_of(arguments)
+    facts["link"] = None if link is None else str(link)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     if arguments.json:
         print(json.dumps(facts, indent=2))
@@ -109,6 +122,18 @@ def main(arguments: argparse.Namespace) -> int:
     if finished.returncode > SIGNALLED:
         return finished.returncode
     return 0 if facts["success"] else ANSWER_IS_NO
+
+
+def _tell_link(link: Path | None, *, chosen: bool) -> None:
+    """If ./stator top does not find this run by itself."""
+    if link is None:
+        print("note: ./stator top finds no run here; --link /tmp/link gives one", file=sys.stderr)
+    elif not chosen and link != LINK:
+        print(
+            f"note: another run has {shown_path(LINK)}; look at this one with "
+            f"--link {shown_path(link)}",
+            file=sys.stderr,
+        )
 
 
 def _flies(arguments: argparse.Namespace) -> bool:
@@ -127,10 +152,16 @@ def _flies(arguments: argparse.Namespace) -> bool:
 
 
 def _run(
-    program: Path, log: Path, truth: Path, memory: Path | None, arguments: argparse.Namespace
+    program: Path,
+    log: Path,
+    truth: Path,
+    memory: Path | None,
+    link: Path | None,
+    arguments: argparse.Namespace,
 ) -> subprocess.CompletedProcess[str]:
     """Signals end the program in order, which then says what there was until then."""
     command = [str(program), "--log", str(log), "--truth", str(truth)]
+    command += [] if link is None else ["--link", str(link)]
     command += flight_options(arguments)
     if arguments.can is not None:
         parts = "no" if arguments.no_can_parts else "yes"

@@ -23,7 +23,8 @@ from stator.library import HOME
 QUAD = HOME / "graph" / "quad.yaml"
 GRAPHS = Path(__file__).parent / "graph"
 MOST_S = 120  # until a program that hangs is killed
-COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator", "run"]
+LINK = f"/tmp/stator-run-{os.getpid()}"  # of its own, as other tests run beside these
+COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator", "run", "--link", LINK]
 
 
 @pytest.fixture(scope="module")
