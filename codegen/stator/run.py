@@ -6,6 +6,7 @@ import argparse
 import json
 import signal
 import subprocess
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
