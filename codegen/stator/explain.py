@@ -170,8 +170,8 @@ def _vector_reason(plan: Plan, node: Node) -> str:
 
     only = node.triggers[0]
     if len(node.triggers) == 1 and only.kind == "irq" and node.device is not None:
-        wire = plan.board.devices[node.device].lines[only.name]
-        number = plan.board.chip.vectors.get(vector_of(wire)) if plan.board.chip else None
-        if number == plan.task(node.name).vector:
-            return f"that of its line {only.name} ({wire})"
+        for wire in plan.board.devices[node.device].lines[only.name]:
+            number = plan.board.chip.vectors.get(vector_of(wire)) if plan.board.chip else None
+            if number == plan.task(node.name).vector:
+                return f"that of its line {only.name} ({wire})"
     return "a spare one, pended by software"

@@ -247,8 +247,8 @@ DEVICE = Struct(
             "Its pins.",
         ),
         "lines": Key(
-            Table(Text("[A-Za-z0-9_]{1,40}", "a pin or a peripheral"), "a line"),
-            "The pin or peripheral of each line.",
+            Table(OneOrMore(Text("[A-Za-z0-9_]{1,40}", "a pin or a peripheral")), "a line"),
+            "The pin or peripheral of each line; a list if several raise it.",
         ),
         "bytes_per_s": Key(
             Integer(1, 2**31 - 1), "Of a storage: what it takes in the long run, in a second."

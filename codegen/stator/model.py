@@ -112,7 +112,7 @@ class Device:
     name: str
     driver: str  # "imu/sim", or "none"
     device_class: str
-    lines: dict[str, str]
+    lines: dict[str, tuple[str, ...]]  # pins or peripherals that raise it
     interface: Interface | None  # None: the class has errors
     bytes_per_s: int | None = None  # of a storage
 
