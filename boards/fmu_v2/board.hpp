@@ -1,10 +1,2 @@
-// What the generated graph connects to: the devices of this board that have a driver.
+// What the generated graph connects to: the devices of this board. None has a driver yet.
 #pragma once
-
-#include "can_bxcan.hpp"
-
-namespace stator::board {
-
-extern CanBxcan::Device can1;
-
-}  // namespace stator::board

@@ -75,6 +75,7 @@ class Param:
     most: Fraction | None
     default: Value
     doc: str
+    is_fixed: bool = False  # while the graph runs
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,7 @@ class Interface:
     outputs: dict[str, Port]
     params: dict[str, Param]
     reads_log: bool
+    publishes_params: bool
     failsafe: Failsafe | None
     params_message: Message | None
 
@@ -112,7 +114,7 @@ class Device:
     name: str
     driver: str  # "imu/sim", or "none"
     device_class: str
-    lines: dict[str, tuple[str, ...]]  # pins or peripherals that raise it
+    lines: dict[str, str]
     interface: Interface | None  # None: the class has errors
     bytes_per_s: int | None = None  # of a storage
 

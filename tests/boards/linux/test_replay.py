@@ -20,8 +20,7 @@ MIXED = HOME / "tests" / "codegen" / "replay" / "graph" / "mixed.yaml"
 def run_and_replay(
     graph: Path, seconds: str, log: Path, capsys: pytest.CaptureFixture[str]
 ) -> dict[str, Any]:
-    words = ["--duration", seconds, "-o", str(log), "--link", str(log.with_suffix(".link"))]
-    assert cli.main(["run", str(graph), *words, "--json"]) in (0, 1)
+    assert cli.main(["run", str(graph), "--duration", seconds, "-o", str(log), "--json"]) in (0, 1)
     capsys.readouterr()
     status = cli.main(["replay", str(log), "--json"])
     facts: dict[str, Any] = json.loads(capsys.readouterr().out)

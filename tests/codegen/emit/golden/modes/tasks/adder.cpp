@@ -26,9 +26,9 @@ void run() {
     if (!is_due) return;  // an earlier activation has served what pended this one
     ports.now = state.now_us;
     node.step(ports);
-    add_to_counter(state.counters.activations, 1);
+    count_activation(state.counters.activations);
     activation.finish();
-    add_to_counter(state.counters.lost_samples, ports.count.lost());
+    state.counters.lost_samples += ports.count.lost();
 }
 
 }  // namespace stator::tasks::adder

@@ -26,7 +26,7 @@ void run() {
     if (!is_due) return;  // an earlier activation has served what pended this one
     ports.mode.connect(topics::mode, ports.now, false);
     node.step(ports);
-    add_to_counter(state.counters.activations, 1);
+    count_activation(state.counters.activations);
     activation.finish();
     modes::follow();
 }
