@@ -1,6 +1,8 @@
 // Gives ids to parts on the bus that have none.
 #include "allocator.hpp"
 
+#include <algorithm>
+
 #include "stator/dronecan/crc.hpp"
 
 namespace stator {
@@ -46,14 +48,22 @@ uint8_t Allocator::find(uint8_t preferred) {
     return 0;
 }
 
+void Allocator::remember(uint32_t node, std::span<const uint8_t> unique_id) {
+    if (node == 0 || node > dronecan::kMostNodeId || unique_id.size() != kUniqueIdBytes) return;
+    std::copy(unique_id.begin(), unique_id.end(), owners_[node].begin());
+    taken_.add(static_cast<uint8_t>(node));
+}
+
 std::optional<Allocator::Message> Allocator::answer(const Message& request, uint64_t now_us) {
     if (!collect(request, now_us)) return std::nullopt;
     Message answer;
     answer.unique_id.assign(std::span(collected_).first(count_));
     if (count_ < kUniqueIdBytes) return answer;
     count_ = 0;
-    answer.node_id = collected_ == UniqueId{} ? uint8_t{0} : find(request.node_id);
-    if (answer.node_id == 0) return std::nullopt;
+    if (collected_ == UniqueId{}) return std::nullopt;
+    answer.node_id = find(request.node_id);
+    is_full_ = answer.node_id == 0;
+    if (is_full_) return std::nullopt;
     owners_[answer.node_id] = collected_;
     taken_.add(answer.node_id);
     return answer;

@@ -1,9 +1,9 @@
 // This vehicle as a node of a DroneCAN bus.
 #include "dronecan_node.hpp"
 
+#include <algorithm>
 #include <string_view>
 
-#include "get_set.hpp"
 #include "stator/dronecan/port.hpp"
 
 namespace stator {
@@ -17,7 +17,8 @@ using dronecan::protocol::param::GetSet;
 
 constexpr std::string_view kName = "org.stator.vehicle";
 constexpr uint64_t kStatusPeriod_us = 1'000'000;
-constexpr uint64_t kParameterPatience_us = 500'000;  // who asks waits for a second, as a rule
+// Since the start. The memory takes less than a second.
+constexpr uint64_t kLongestLoad_us = 10'000'000;
 constexpr unsigned kFramesPerRelease = 4;
 constexpr uint8_t kStatusPriority = 16;
 constexpr uint8_t kAllocationPriority = 30;
@@ -51,7 +52,9 @@ void DronecanNode::configure(const DronecanNodeParams& params) {
 }
 
 NodeStatus DronecanNode::status(uint64_t now_us) const {
-    return {.uptime_sec = static_cast<uint32_t>(now_us / 1'000'000)};
+    const bool warns = memory_is_bad_ || allocator_.is_full();
+    return {.uptime_sec = static_cast<uint32_t>(now_us / 1'000'000),
+            .health = warns ? NodeStatus::kHealthWarning : NodeStatus::kHealthOk};
 }
 
 template <class Message>
@@ -64,22 +67,37 @@ bool DronecanNode::read(Message& message) {
 // As the protocol wants it: with the request's priority and transfer id.
 template <class Response>
 void DronecanNode::respond(const Response& response) {
-    respond(receiver_.header(), receiver_.transfer_id(), response);
-}
-template <class Response>
-void DronecanNode::respond(const dronecan::Header& request, uint8_t transfer_id,
-                           const Response& response) {
     if (response_sender_.is_busy()) return;
+    const dronecan::Header& request = receiver_.header();
     response_sender_.begin(
         {.priority = request.priority, .source = node_id_, .destination = request.source},
-        transfer_id, response);
+        receiver_.transfer_id(), response);
+}
+
+// The status was taken before the records are read here, so that once it says that all are loaded,
+// none is still to come.
+void DronecanNode::read_memory(DronecanNodePorts& ports) {
+    while (ports.stored.next()) {
+        const StoredRecord& record = *ports.stored;
+        if (record.kind != StoredRecord::Kind::kCanNode) continue;
+        const std::size_t length = std::min<std::size_t>(record.length, record.data.size());
+        allocator_.remember(record.key, std::span(record.data).first(length));
+    }
+    if (ports.stored.lost() != 0) misses_records_ = true;
+    const bool has_memory = ports.store.is_connected();
+    const bool is_known = ports.memory && ports.memory->state != NonvolatileStatus::State::kLoading;
+    const bool is_late = !is_known && ports.now >= kLongestLoad_us;
+    may_give_ids_ = !has_memory || is_known || is_late;
+    const bool fails = is_known && (ports.memory->state == NonvolatileStatus::State::kFailed ||
+                                    ports.memory->refused != 0 || ports.memory->lost != 0);
+    memory_is_bad_ = has_memory && (misses_records_ || is_late || fails);
 }
 
 void DronecanNode::handle_allocation(DronecanNodePorts& ports) {
     Allocator::Message request;
     // With a sender, it is another allocator's.
     if (!read(request) || receiver_.header().source != 0) return;
-    if (!is_disarmed(ports) || allocation_sender_.is_busy()) return;
+    if (!is_disarmed(ports) || !may_give_ids_ || allocation_sender_.is_busy()) return;
     const auto answer = allocator_.answer(request, ports.now);
     if (!answer) return;
     allocation_sender_.begin({.priority = kAllocationPriority, .source = node_id_}, allocation_id_,
@@ -88,6 +106,12 @@ void DronecanNode::handle_allocation(DronecanNodePorts& ports) {
     if (answer->node_id == 0) return;
     ports.allocation.publish([&] {
         return CanAllocation{.node_id = answer->node_id, .unique_id = allocator_.unique_id()};
+    });
+    ports.store.publish([&] {
+        return StoredRecord{.key = answer->node_id,
+                            .kind = StoredRecord::Kind::kCanNode,
+                            .length = Allocator::kUniqueIdBytes,
+                            .data = allocator_.unique_id()};
     });
 }
 
@@ -114,23 +138,12 @@ void DronecanNode::handle_restart_request(DronecanNodePorts& ports) {
     if (granted) ports.restart.publish([&] { return RestartRequest{.source = source}; });
 }
 
-void DronecanNode::handle_parameter_request(DronecanNodePorts& ports) {
+void DronecanNode::handle_parameter_request(const DronecanNodePorts& ports) {
     GetSet::Request request;
-    if (!read(request) || ports.now < asked_until_us_) return;
-    if (!ports.request.is_connected()) return respond(GetSet::Response{});
-    asked_until_us_ = ports.now + kParameterPatience_us;
-    asked_ = receiver_.header();
-    asked_id_ = receiver_.transfer_id();
-    ++tag_;
-    const bool may_write = asked_.source == tool_ && is_disarmed(ports);
-    ports.request.publish([&] { return to_request(request, tag_, may_write); });
-}
-
-void DronecanNode::answer_parameter_request(const ParameterValue& value) {
-    const bool is_ours = value.requester == ParameterValue::Requester::kCan && value.tag == tag_;
-    if (!is_ours || asked_until_us_ == 0) return;
-    asked_until_us_ = 0;
-    respond(asked_, asked_id_, to_response(value));
+    if (!read(request)) return;
+    const bool may_write = receiver_.header().source == tool_ && is_disarmed(ports);
+    respond(ParameterServer::answer(request, params_, may_write));
+    configure(params_);
 }
 
 void DronecanNode::handle(DronecanNodePorts& ports) {
@@ -164,8 +177,11 @@ void DronecanNode::send_waiting(DronecanNodePorts& ports) {
 }
 
 void DronecanNode::step(DronecanNodePorts& ports) {
-    if (ports.params.is_new()) configure(*ports.params);
-    while (ports.parameter.next()) answer_parameter_request(*ports.parameter);
+    if (ports.params.is_new()) {
+        params_ = *ports.params;
+        configure(params_);
+    }
+    read_memory(ports);
     while (ports.can.next()) receive(ports);
     if (ports.now >= next_status_us_) {
         next_status_us_ = ports.now + kStatusPeriod_us;

@@ -1,5 +1,5 @@
-// Starts the Pixhawk FMU: clocks, supplies, pins, the clock of the graph, the watchdog. It builds,
-// links and passes every static check; no hardware has run it.
+// Starts the Pixhawk FMU: clocks, supplies, pins, the clock of the graph, the CAN controller, the
+// watchdog. It builds, links and passes every static check; no hardware has run it.
 #include "board.hpp"
 
 #include "pins.hpp"
@@ -25,7 +25,24 @@ void start_pins() {
     pins::kPeripheralSupplyOff.make_output(false);
 }
 
+// RM0090, 2.3 and 6.3.13. Until the driver starts it, the controller sleeps and sends nothing but
+// recessive bits (32.4).
+constexpr uint32_t kCan1 = 0x40006400;
+constexpr uint32_t kCan1Clock = 1U << 25;
+
+void start_can() {
+    stm32f4::rcc::kApb1Enable.set(kCan1Clock);
+    pins::kCan1Receive.make_alternate(pins::kCanFunction);
+    pins::kCan1Send.make_alternate(pins::kCanFunction);
+}
+
+bool take_can1(uint32_t interrupts) {
+    return bxcan::take_line(bxcan::Memory{kCan1}, interrupts);
+}
+
 }  // namespace
+
+CanBxcan::Device can1{.base = kCan1, .clock_hz = stm32f4::kApb1Clock_hz, .bit_rate = 1'000'000};
 
 // Low: no pulse. A speed controller that sees none stops its motor.
 void make_safe() {
@@ -48,6 +65,7 @@ void prepare() {
     require(stm32f4::start_clocks(kCrystal_mhz) != stm32f4::ClockSource::kNone, "no clock");
     kTimer.start();
     start_pins();
+    start_can();
 }
 
 // If the hardware does not take the time, the watchdog runs with its longest one.
@@ -57,6 +75,20 @@ void start() {
 
 void kick_watchdog() {
     kWatchdog.kick();
+}
+
+// Of the lines' dispatchers.
+bool take_can1_received();
+bool take_can1_received() {
+    return take_can1(bxcan::kFifoNotEmpty);
+}
+bool take_can1_sent();
+bool take_can1_sent() {
+    return take_can1(bxcan::kMailboxEmpty);
+}
+bool take_can1_changed();
+bool take_can1_changed() {
+    return take_can1(bxcan::kErrors);
 }
 
 // Who asks on the link is told.

@@ -22,6 +22,14 @@ inline constexpr std::array kSelects{
     Pin('D', 10),  // FRAM
 };
 
+// The bus of the connector CAN: CAN1, with the transceiver on the board, which no pin switches. The
+// chip's other controller, CAN2 (PB12, PB6), ends at the expansion connector without one. So say
+// PX4's board.h and ArduPilot's hwdef of this board; the pins' function is number 9 in the data
+// sheet's table of alternate functions.
+inline constexpr Pin kCan1Receive('D', 0);
+inline constexpr Pin kCan1Send('D', 1);
+inline constexpr uint32_t kCanFunction = 9;
+
 // Outputs 1 to 6 of the FMU itself; the eight main ones belong to the safety processor, which has
 // its own failsafe.
 inline constexpr std::array kMotorOutputs{

@@ -181,6 +181,7 @@ int main(int count, char** arguments) {
     board::RealWorld world(options.conditions, truth);
     connect(world);
     if (run.can_interface != nullptr && !connect_can(world, run)) return 2;
+    if (run.link != nullptr && !offer_link(run.link)) return 2;
     if (!start(run.settings)) return 2;
     if (!world.begin()) return refuse_world();
     const Ending ending = wait_until(options.duration_us);

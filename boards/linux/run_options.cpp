@@ -42,6 +42,8 @@ bool take_run_options(int& count, char** arguments, RunOptions& options) {
             is_valid = take_parts(value, options.has_can_parts);
         } else if (name == "--nonvolatile") {
             options.nonvolatile = value;
+        } else if (name == "--link") {
+            options.link = value;
         } else if (name == "--cpus") {
             is_valid = take_cpus(value, options.settings.cpus);
         } else {

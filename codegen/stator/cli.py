@@ -34,9 +34,9 @@ COMMANDS = {
     "build": "build a graph's firmware and show what it takes",
     "flash": "put a graph's firmware onto a board",
     "emulate": "fly a graph's firmware in an emulator and report",
-    "top": "show what each task of running firmware does",
-    "listener": "print samples of a topic of running firmware",
-    "perf": "show measurements of running firmware beside their bounds",
+    "top": "show what each task of a running vehicle does",
+    "listener": "print samples of a topic of a running vehicle",
+    "perf": "show measurements of a running vehicle beside their bounds",
     "plot": "draw a flight from its log",
     "replay": "repeat a recorded flight and compare every sample",
     "score": "score an estimator on recordings",
@@ -204,7 +204,7 @@ def _check(arguments: argparse.Namespace) -> int:
         f"{_count(levels, 'level')}, {_count(len(plan.topics), 'topic')} in {slot_bytes} bytes of "
         f"slots, board {plan.board.name}"
     )
-    _show_notes(plan)
+    show_notes(plan)
     return 0
 
 
@@ -212,12 +212,14 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}" + ("" if number == 1 else "s")
 
 
-def _show_notes(plan: Plan) -> None:
-    unbound = [
-        d.name
-        for d in plan.board.devices.values()
-        if d.driver == "none" and any(task.node.device == d.name for task in plan.tasks)
-    ]
+def unbound_devices(plan: Plan) -> list[str]:
+    """Those that the graph uses and its board has no driver for."""
+    used = {task.node.device for task in plan.tasks}
+    return [d.name for d in plan.board.devices.values() if d.driver == "none" and d.name in used]
+
+
+def show_notes(plan: Plan) -> None:
+    unbound = unbound_devices(plan)
     if unbound:
         print(
             f"note: no driver yet on {plan.board.name} for: {', '.join(unbound)}; "

@@ -31,6 +31,12 @@ def program(plan: Plan) -> Row:
     levels += [(row["vector"], row["level"], row["comment"]) for row in dispatchers]
     return {
         "dispatchers": dispatchers,
+        # Once each, however many vectors raise a line.
+        "taken_lines": list(
+            dict.fromkeys(
+                f"{line['device']}_{line['line']}" for row in dispatchers for line in row["lines"]
+            )
+        ),
         "board_interrupts": plan.board.interrupts,
         "vectors": [
             {
@@ -96,21 +102,22 @@ def _wires(plan: Plan, task: Task) -> list[tuple[tuple[str, int], Device, int]]:
         (
             (t.name, t.min_interarrival_us or 0),
             device,
-            plan.board.chip.vectors[vector_of(device.lines[t.name])],
+            plan.board.chip.vectors[vector_of(wire)],
         )
         for t in task.node.triggers
         if t.kind == "irq"
+        for wire in device.lines[t.name]
     ]
 
 
 def lines(plan: Plan) -> list[Row]:
-    """The bit of each line of the board's bound devices."""
+    """The bit of each line of the board's bound devices; of the first of several wires."""
     assert plan.board.chip is not None
     return [
-        {"name": f"{device.name}_{line}", "wire": wire, **_bit(plan, vector_of(wire))}
+        {"name": f"{device.name}_{line}", "wire": wires[0], **_bit(plan, vector_of(wires[0]))}
         for device in plan.board.devices.values()
         if device.driver != "none"
-        for line, wire in device.lines.items()
+        for line, wires in device.lines.items()
     ]
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from stator.check_parts import MODE_TOPIC
 from stator.emit_rows import watched
+from stator.graph_hash import graph_hash
 from stator.language import DEPTHS
 
 if TYPE_CHECKING:
@@ -35,13 +36,17 @@ def program(plan: Plan) -> Row:
         "task_count": len(plan.tasks),
         "timer_count": first_timer,
         "watched": watched(plan),
+        "topics": list(plan.topics),
+        "board": plan.board.name,
+        "graph": plan.graph.name,
+        "graph_hash": graph_hash(plan),
     }
 
 
 def depth(plan: Plan, topic: TopicPlan) -> int:
     """As planned; but a reader that outranks its publisher does not run inside the publication
     here, so that the burst of one activation is to be held for it, too."""
-    if topic.owner or plan.graph.topics[topic.name].config.depth is not None:
+    if not topic.publishers or plan.graph.topics[topic.name].config.depth is not None:
         return topic.depth
     bursts = [
         output.port.burst
@@ -54,13 +59,11 @@ def depth(plan: Plan, topic: TopicPlan) -> int:
 
 def slots(plan: Plan, topic: TopicPlan) -> int:
     """D + what each level may hold besides, as levels truly run at once: the newest sample that it
-    has read, one that it takes from the queue, one that it builds. docs/topics.md has the argument.
-    """
+    has read, one that it takes from the queue, one that it builds; and the newest that the link has
+    told of. docs/topics.md has the argument."""
     held = {(name, _hold(plan, name, port)) for name, port in topic.readers}
     held |= {(name, "loan") for name in topic.publishers}
-    if topic.owner:
-        held |= {(name, "latest") for name in topic.publishers}
-    if topic.log_us is not None or (topic.owner and topic.publishers):
+    if topic.log_us is not None:
         kind = "next" if topic.log_us == 0 else "latest"
         held |= {(t.node.name, kind) for t in plan.tasks if t.node.interface.reads_log}
     modes = plan.graph.modes
@@ -68,7 +71,8 @@ def slots(plan: Plan, topic: TopicPlan) -> int:
         held.add((modes.publisher, "latest"))  # the switch follows the newest
     by_the_start = 0 if topic.publishers else 1  # which publishes parameters
     levels = {(plan.task(name).level, kind) for name, kind in held}
-    return depth(plan, topic) + len(levels) + by_the_start
+    of_the_link = 1
+    return depth(plan, topic) + len(levels) + by_the_start + of_the_link
 
 
 def _hold(plan: Plan, name: str, port: str) -> str:

@@ -31,6 +31,7 @@ from stator.flight_facts import default_log, facts_of, keep
 from stator.flight_report import report
 from stator.library import HOME
 from stator.link import DEFAULT as LINK
+from stator.link import socket_place
 from stator.progress import progress
 
 # boards/qemu_f405/link.hpp
@@ -41,7 +42,6 @@ LOG = "flight.ulg"
 MACHINE = "olimex-stm32-h405"
 # 8 ns an instruction, whatever it is: no claim about the chip's timing. docs/emulation.md
 SHIFT = 3
-MOST_SOCKET_PATH = 100  # bytes; the system takes 107
 END_S = 10.0  # how long the one side may take to see that the other one has ended
 
 
@@ -87,7 +87,7 @@ def main(arguments: argparse.Namespace) -> int:
     variant = (SLEEP if arguments.sleep else {}) | recording_of(arguments)
     image = build_image(arguments.graph, arguments.board, variant)
     plant = build_plant()
-    link = None if arguments.link is None else link_socket(arguments.link)
+    link = None if arguments.link is None else socket_place(arguments.link)
     options = ["--truth", str(truth.resolve()), *flight_options(arguments)]
     if arguments.speed is not None:
         options += ["--speed", f"{arguments.speed:.6f}"]
@@ -143,20 +143,6 @@ def _hint() -> str:
 
 def _output(*command: str) -> str:
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
-
-
-def link_socket(link: Path) -> Path:
-    """Where QEMU makes its socket. Raises `UserError` where it cannot."""
-    socket = link.resolve()
-    if len(str(socket)) > MOST_SOCKET_PATH or "," in str(socket):
-        raise UserError(
-            f"error: '{socket}' is too long for a socket, or has a comma\n"
-            "hint: name a shorter one: --link /tmp/link"
-        )
-    if socket.exists() and not socket.is_socket():
-        raise UserError(f"error: '{socket}' exists, and is no socket\nhint: name another one")
-    socket.parent.mkdir(parents=True, exist_ok=True)
-    return socket
 
 
 def qemu_command(

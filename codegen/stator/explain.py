@@ -117,7 +117,7 @@ def _topic(plan: Plan, topic: TopicPlan) -> list[Row]:
     publishers = ", ".join(map(with_level, topic.publishers))
     return [
         ("message", f"{topic.message.name}, {topic.message.bytes} bytes"),
-        ("from", publishers or "the start: parameters are fixed"),
+        ("from", publishers or f"the parameters of {topic.owner}"),
         ("read by", ", ".join(with_level(name) for name, _ in topic.readers) or "nobody"),
         ("at most every", _period(topic.period_us)),
         ("depth", str(topic.depth)),
@@ -170,8 +170,8 @@ def _vector_reason(plan: Plan, node: Node) -> str:
 
     only = node.triggers[0]
     if len(node.triggers) == 1 and only.kind == "irq" and node.device is not None:
-        wire = plan.board.devices[node.device].lines[only.name]
-        number = plan.board.chip.vectors.get(vector_of(wire)) if plan.board.chip else None
-        if number == plan.task(node.name).vector:
-            return f"that of its line {only.name} ({wire})"
+        for wire in plan.board.devices[node.device].lines[only.name]:
+            number = plan.board.chip.vectors.get(vector_of(wire)) if plan.board.chip else None
+            if number == plan.task(node.name).vector:
+                return f"that of its line {only.name} ({wire})"
     return "a spare one, pended by software"

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.build import SLEEP, build
-from stator.cli import make_buildable_plan, path
+from stator.cli import make_buildable_plan, path, show_notes, unbound_devices
 from stator.diagnostics import BuildFailed, shown_path
 from stator.graph_hash import graph_hash
 from stator.image_checks import faults_of, sections_of
@@ -33,7 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     image = build_image(arguments.graph, arguments.board, SLEEP if arguments.sleep else {})
-    files = image_files(make_buildable_plan(str(arguments.graph), arguments.board), image)
+    plan = make_buildable_plan(str(arguments.graph), arguments.board)
+    files = image_files(plan, image)
     sizes = sizes_of(image)
     total = total_of(image)
     sections = sections_of(image)
@@ -45,6 +46,7 @@ def main(arguments: argparse.Namespace) -> int:
             for name, size in sizes.items()
         }
         facts["sections"] = sections
+        facts["unbound_devices"] = unbound_devices(plan)
         print(json.dumps(facts, indent=2))
         return 0
     width = max(map(len, sizes))
@@ -55,6 +57,7 @@ def main(arguments: argparse.Namespace) -> int:
         longest = ", ".join(f"{name} {count}" for name, count in operations.items())
         print(f"masks its publishers' levels: {topic}, instructions: {longest}")
     print("\n".join(f"{shown_path(file)}" for file in files.values()))
+    show_notes(plan)
     return 0
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import serial
 
-from stator.cli import make_buildable_plan, path
+from stator.cli import make_buildable_plan, path, unbound_devices
 from stator.diagnostics import NOT_DONE, UserError, shown_path
 from stator.firmware import build_image, image_files
 from stator.px4_bootloader import Bootloader
@@ -80,8 +80,7 @@ INSTALL = {
 
 def _refusal(plan: Plan) -> str:
     """Why this image must not get onto a vehicle; empty if it may."""
-    used = {task.node.device for task in plan.tasks}
-    unbound = [d.name for d in plan.board.devices.values() if d.driver == "none" and d.name in used]
+    unbound = unbound_devices(plan)
     if not unbound:
         return ""
     return f"no driver yet on {plan.board.name} for {', '.join(unbound)}"

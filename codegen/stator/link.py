@@ -1,4 +1,4 @@
-"""The terminal's side of the link to running firmware: docs/link.md."""
+"""The terminal's side of the link to firmware or a graph on Linux that runs: docs/link.md."""
 
 from __future__ import annotations
 
@@ -27,8 +27,57 @@ INFO, TASKS, SAMPLE, FAULT = 1, 2, 3, 4
 VERSION = 1
 ANSWER_S = 0.5  # until a request is sent again
 MOST_TRIES = 10
-UNITS = ("cycles", "instructions")
+MOST_SOCKET_PATH = 100  # bytes; the system takes 107
+UNITS = ("cycles", "instructions", "cpu_time")
 TASK = struct.Struct("<7I")
+
+
+# --- places for sockets ---
+
+
+def socket_place(path: Path) -> Path:
+    """Where a socket can be made. Raises `UserError` where it cannot."""
+    place = path.resolve()
+    if len(str(place).encode()) > MOST_SOCKET_PATH or "," in str(place):
+        raise UserError(
+            f"error: '{place}' is too long for a socket, or has a comma\n"
+            "hint: name a shorter one: --link /tmp/link"
+        )
+    if place.exists() and not place.is_socket():
+        raise UserError(f"error: '{place}' exists, and is no socket\nhint: name another one")
+    if is_served(place):
+        raise UserError(
+            f"error: '{place}' is the link of something else that runs\n"
+            f"hint: name another one: --link {place}2"
+        )
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"error: no link at '{place}': {error.strerror}") from None
+    return place
+
+
+def free_place() -> Path | None:
+    """The usual place; of several runs at once, the first one that is free. None if Stator lies
+    too deep for a socket."""
+    path, number = DEFAULT, 1
+    while is_served(path):
+        number += 1
+        path = DEFAULT.with_name(f"{DEFAULT.name}{number}")
+    return path if len(str(path).encode()) <= MOST_SOCKET_PATH else None
+
+
+def is_served(path: Path) -> bool:
+    """Whether somebody listens there: a socket that was left behind refuses."""
+    with socket.socket(socket.AF_UNIX) as probe:
+        probe.setblocking(False)
+        try:
+            probe.connect(str(path))
+        except BlockingIOError:  # many wait there already
+            return True
+        except OSError:
+            return False
+    return True
 
 
 class NoLink(UserError):
@@ -39,7 +88,7 @@ class NoLink(UserError):
 class Info:
     safe_mode: bool
     failed_before: bool
-    unit: str  # of execution times
+    unit: str  # of execution times; "nothing": they are left out
     ticks_per_unit: int
     ticks_per_s: int
     time_us: int
@@ -52,7 +101,7 @@ class Info:
 
 @dataclass(frozen=True)
 class TaskFigures:
-    """As the firmware counts, modulo 2^32; execution times in ticks."""
+    """As the vehicle counts, modulo 2^32; execution times in ticks."""
 
     activations: int
     lost: int
@@ -102,7 +151,7 @@ def unframe(coded: bytes) -> bytes | None:
 
 
 class Link:
-    """Asks firmware, over a Unix socket (the emulator's) or a serial port."""
+    """Asks what runs, over a Unix socket (on Linux, and the emulator's) or a serial port."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -114,9 +163,9 @@ class Link:
         except (OSError, termios.error) as error:
             why = "it is no serial port" if isinstance(error, termios.error) else error.strerror
             raise NoLink(
-                f"error: no firmware at {shown_path(path)}: {why}\n"
-                "hint: start one: ./stator emulate --link --speed 1; or name its serial port: "
-                "--link /dev/ttyACM0"
+                f"error: nothing runs at {shown_path(path)}: {why}\n"
+                "hint: start something: ./stator run, or ./stator emulate --link --speed 1; or "
+                "name its place: --link /dev/ttyACM0"
             ) from None
 
     def _open(self) -> int:
@@ -161,7 +210,7 @@ class Link:
                 return body
         raise NoLink(
             f"error: what is at {shown_path(self.path)} does not answer\n"
-            "hint: it is no Stator firmware, or stands still"
+            "hint: it is nothing of Stator's, or stands still"
         )
 
     def _answer(self, head: bytes) -> bytes | None:
@@ -180,13 +229,13 @@ class Link:
         return None
 
     def _gone(self, why: str) -> NoLink:
-        return NoLink(f"error: the firmware at {shown_path(self.path)} is gone: {why}")
+        return NoLink(f"error: what ran at {shown_path(self.path)} is gone: {why}")
 
     def info(self) -> Info:
         body = self.ask(INFO)
         if body[0] != VERSION:
             raise NoLink(
-                f"error: the firmware speaks version {body[0]} of the link, not {VERSION}\n"
+                f"error: what runs speaks version {body[0]} of the link, not {VERSION}\n"
                 "hint: use the ./stator that built it"
             )
         safe, cause, unit, per_unit, ticks_per_s, time_us, tasks, topics = struct.unpack_from(
@@ -199,7 +248,7 @@ class Link:
         return Info(
             safe_mode=bool(safe),
             failed_before=bool(cause),
-            unit=UNITS[unit] if unit < len(UNITS) else "ticks",
+            unit=_unit(unit) if ticks_per_s != 0 else "nothing",
             ticks_per_unit=max(per_unit, 1),
             ticks_per_s=ticks_per_s,
             time_us=time_us,
@@ -211,7 +260,7 @@ class Link:
         )
 
     def tasks(self, count: int) -> tuple[int, list[TaskFigures]]:
-        """Time of the firmware in us, and what it counted of each task, most urgent first."""
+        """The vehicle's time in us, and what it counted of each task, most urgent first."""
         figures: list[TaskFigures] = []
         time_us = 0
         while len(figures) < count:
@@ -219,7 +268,7 @@ class Link:
             time_us, first = struct.unpack_from("<QH", body)
             rows = [TaskFigures(*row) for row in TASK.iter_unpack(body[10:])]
             if first != len(figures) or not rows:
-                raise NoLink("error: the firmware has other tasks than it says")
+                raise NoLink("error: what runs has other tasks than it says")
             figures += rows
         return time_us, figures
 
@@ -235,6 +284,10 @@ class Link:
         return record if record.cause else None
 
 
+def _unit(code: int) -> str:
+    return UNITS[code] if code < len(UNITS) else "ticks"
+
+
 def _text(data: bytes) -> tuple[str, bytes]:
     return data[1 : 1 + data[0]].decode(errors="replace"), data[1 + data[0] :]
 
@@ -247,13 +300,13 @@ def plan_of(info: Info, graph: Path | None) -> Plan:
     file = graph or HOME / "graph" / f"{info.graph}.yaml"
     if not file.is_file():
         raise UserError(
-            f"error: the firmware runs a graph called '{info.graph}', and {shown_path(file)} is no "
+            f"error: a graph called '{info.graph}' runs there, and {shown_path(file)} is no "
             "file\nhint: name its file: --graph FILE"
         )
     plan = make_plan(str(file), info.board)
     if graph_hash(plan)[:16] != info.graph_hash:
         raise UserError(
-            f"error: the firmware runs another version of {shown_path(file)}\n"
+            f"error: what runs is another version of {shown_path(file)}\n"
             "hint: build and start it anew, or name the file that it was built from: --graph FILE"
         )
     return plan

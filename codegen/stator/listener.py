@@ -1,4 +1,4 @@
-"""`./stator listener TOPIC`: the newest samples of a topic of running firmware, field by field."""
+"""`./stator listener TOPIC`: the newest samples of a topic of what runs, field by field."""
 
 from __future__ import annotations
 

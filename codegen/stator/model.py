@@ -75,7 +75,6 @@ class Param:
     most: Fraction | None
     default: Value
     doc: str
-    is_fixed: bool = False  # while the graph runs
 
 
 @dataclass(frozen=True)
@@ -100,7 +99,6 @@ class Interface:
     outputs: dict[str, Port]
     params: dict[str, Param]
     reads_log: bool
-    publishes_params: bool
     failsafe: Failsafe | None
     params_message: Message | None
 
@@ -114,7 +112,7 @@ class Device:
     name: str
     driver: str  # "imu/sim", or "none"
     device_class: str
-    lines: dict[str, str]
+    lines: dict[str, tuple[str, ...]]  # pins or peripherals that raise it
     interface: Interface | None  # None: the class has errors
     bytes_per_s: int | None = None  # of a storage
 

@@ -12,6 +12,7 @@ from stator.top import (
     against,
     chain_latency_us,
     facts_of,
+    in_words,
     measure,
     number,
 )
@@ -57,8 +58,8 @@ def _show(info: Info, plan: Plan, rows: list[Row], time_us: int) -> None:
 
     table = Table(
         title=f"{info.graph} on {info.board}, since its start {time_us * 1e-6:.1f} s ago",
-        caption=f"longest figures in us, counted as {info.unit}; response: from the time that its "
-        "trigger carries to its end, so that a chain's is its last task's",
+        caption=f"longest figures; {in_words(info)}; response: from the time that its trigger "
+        "carries to its end, so that a chain's is its last task's",
         box=box.SIMPLE_HEAD,
     )
     table.add_column("task or chain", overflow="fold")

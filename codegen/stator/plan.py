@@ -170,8 +170,9 @@ def _vectors(graph: Graph, board: Board, report: Report) -> dict[str, int]:
         return {}
     lines: dict[str, list[tuple[str, str]]] = {}  # vector -> (device, line) of the whole board
     for device in board.devices.values():
-        for line, wire in device.lines.items():
-            lines.setdefault(vector_of(wire), []).append((device.name, line))
+        for line, wires in device.lines.items():
+            for wire in wires:
+                lines.setdefault(vector_of(wire), []).append((device.name, line))
     known = board.chip.vectors
     taken = {known[name] for name in (*lines, *board.reserved_vectors) if name in known}
     spare = [number for number in sorted(known.values()) if number not in taken]
@@ -199,11 +200,12 @@ def _vectors(graph: Graph, board: Board, report: Report) -> dict[str, int]:
 
 
 def _only_line(board: Board, node: Node) -> str:
-    """The vector of the line that alone triggers the node; empty if there is none."""
+    """The vector of the line that alone triggers the node; empty if there is none, or several."""
     only = node.triggers[0]
     if len(node.triggers) != 1 or only.kind != "irq" or node.device is None:
         return ""
-    return vector_of(board.devices[node.device].lines.get(only.name, ""))
+    wires = board.devices[node.device].lines.get(only.name, ())
+    return vector_of(wires[0]) if len(wires) == 1 else ""
 
 
 def owns_its_vector(plan: Plan, task: Task) -> bool:

@@ -99,12 +99,12 @@ def _device(library: Library, name: str, record: Record, chip: Chip | None) -> D
     interface = library.device_class(device_class, chosen.mark)
     if interface is not None:
         _check_lines(record, interface, chip, library.report)
-    lines = {key: leaf.value for key, leaf in items(record, "lines")}
+    lines = {key: tuple(w.value for w in wires.value) for key, wires in items(record, "lines")}
     return Device(name, driver.value, device_class, lines, interface, record.value("bytes_per_s"))
 
 
 def _check_lines(record: Record, interface: Interface, chip: Chip | None, report: Report) -> None:
-    for line, leaf in items(record, "lines"):
+    for line, wires in items(record, "lines"):
         if line not in interface.lines:
             report.error(
                 record.get("lines").keys[line],
@@ -112,8 +112,10 @@ def _check_lines(record: Record, interface: Interface, chip: Chip | None, report
                 f"device class '{interface.name}' has no line '{line}'",
                 report.nearest(line, interface.lines) or "it has no lines",
             )
-        elif chip is not None and not _PIN.fullmatch(leaf.value):
-            _check_vector(chip, leaf, report)
+            continue
+        for wire in wires.value:
+            if chip is not None and not _PIN.fullmatch(wire.value):
+                _check_vector(chip, wire, report)
 
 
 def _check_vector(chip: Chip, leaf: Leaf, report: Report) -> None:

@@ -6,12 +6,13 @@ import argparse
 import json
 import signal
 import subprocess
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stator.build import build
-from stator.cli import make_plan
-from stator.diagnostics import ANSWER_IS_NO, NOT_DONE, UserError
+from stator.cli import make_plan, path
+from stator.diagnostics import ANSWER_IS_NO, NOT_DONE, UserError, shown_path
 from stator.flight_arguments import (
     add_flight_arguments,
     flight_options,
@@ -23,6 +24,9 @@ from stator.flight_arguments import (
 )
 from stator.flight_facts import default_log, facts_of
 from stator.flight_report import flight_rows, log_row, show
+from stator.link import DEFAULT as LINK
+from stator.link import free_place, socket_place
+from stator.nonvolatile import add_nonvolatile_argument, nonvolatile_of, nonvolatile_rows, told_of
 from stator.progress import progress
 
 if TYPE_CHECKING:
@@ -30,7 +34,14 @@ if TYPE_CHECKING:
 
 SIGNALLED = 128  # and the number of the signal
 MOST_CPUS = 64
-OWN_FACTS = ("missed_samples", "missed_releases", "real_time", "not_allowed", "levels")
+OWN_FACTS = (
+    "missed_samples",
+    "missed_releases",
+    "real_time",
+    "not_allowed",
+    "levels",
+    "nonvolatile",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,6 +53,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-can-parts",
         action="store_true",
         help="the motor controllers and the receiver on the CAN bus are real: simulate none",
+    )
+    add_nonvolatile_argument(parser)
+    parser.add_argument(
+        "--link",
+        type=path,
+        metavar="PATH",
+        help="where ./stator top, listener and perf find this run (default: build/link, or "
+        "build/link2 and so on if another one has it)",
     )
     parser.add_argument(
         "--cpus",
@@ -74,9 +93,13 @@ def main(arguments: argparse.Namespace) -> int:
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     program = build(arguments.graph, arguments.board, recording_of(arguments), executor="pthread")
     flies = _flies(arguments)
+    memory = nonvolatile_of(arguments, log)
+    link = free_place() if arguments.link is None else socket_place(arguments.link)
+    if not arguments.json:
+        _tell_link(link, chosen=arguments.link is not None)
     name = f"running {arguments.graph.stem} for {arguments.duration:g} s at most; Ctrl-C ends it"
     with progress(name, truth, arguments.duration):
-        finished = _run(program, log, truth, arguments)
+        finished = _run(program, log, truth, memory, link, arguments)
     if finished.returncode == NOT_DONE:
         raise UserError(finished.stderr.rstrip())
     facts = _facts(
@@ -88,15 +111,30 @@ def main(arguments: argparse.Namespace) -> int:
         is_recorded=is_recorded(arguments),
         in_wind=is_windy(arguments),
     )
+    facts["nonvolatile"] = told_of(memory, facts.get("nonvolatile"))
     facts |= rates_of(arguments)
+    facts["link"] = None if link is None else str(link)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     if arguments.json:
         print(json.dumps(facts, indent=2))
     else:
-        show(facts, [*flight_rows(facts), *_run_rows(facts), log_row(facts)])
+        rows = [*flight_rows(facts), *_run_rows(facts), *nonvolatile_rows(facts), log_row(facts)]
+        show(facts, rows)
     if finished.returncode > SIGNALLED:
         return finished.returncode
     return 0 if facts["success"] else ANSWER_IS_NO
+
+
+def _tell_link(link: Path | None, *, chosen: bool) -> None:
+    """If ./stator top does not find this run by itself."""
+    if link is None:
+        print("note: ./stator top finds no run here; --link /tmp/link gives one", file=sys.stderr)
+    elif not chosen and link != LINK:
+        print(
+            f"note: another run has {shown_path(LINK)}; look at this one with "
+            f"--link {shown_path(link)}",
+            file=sys.stderr,
+        )
 
 
 def _flies(arguments: argparse.Namespace) -> bool:
@@ -115,14 +153,22 @@ def _flies(arguments: argparse.Namespace) -> bool:
 
 
 def _run(
-    program: Path, log: Path, truth: Path, arguments: argparse.Namespace
+    program: Path,
+    log: Path,
+    truth: Path,
+    memory: Path | None,
+    link: Path | None,
+    arguments: argparse.Namespace,
 ) -> subprocess.CompletedProcess[str]:
     """Signals end the program in order, which then says what there was until then."""
     command = [str(program), "--log", str(log), "--truth", str(truth)]
+    command += [] if link is None else ["--link", str(link)]
     command += flight_options(arguments)
     if arguments.can is not None:
         parts = "no" if arguments.no_can_parts else "yes"
         command += ["--can", arguments.can, "--can-parts", parts]
+    if memory is not None:
+        command += ["--nonvolatile", str(memory)]
     if arguments.cpus is not None:
         command += ["--cpus", f"{arguments.cpus:x}"]
     before = {}

@@ -1,9 +1,10 @@
-"""`./stator top`: what each task of running firmware does, refreshed; `./stator perf`: once, each
+"""`./stator top`: what each task of a running vehicle does, refreshed; `./stator perf`: once, each
 figure beside its bound."""
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import sys
 import time
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from stator.plan import Plan, Task
 
 WRAP = 2**32
+# Sums of nanoseconds wrap after 4.3 s of a busy processor.
+LONGEST_LOOK_S = 2.0
 
 
 @dataclass(frozen=True)
@@ -31,10 +34,10 @@ class Row:
     level: int
     activations: int
     per_s: float
-    load_pct: float
-    last_us: float
+    load_pct: float | None
+    last_us: float | None
     mean_us: float | None
-    max_us: float
+    max_us: float | None
     budget_us: int | None
     response_max_us: int | None
     deadline_us: int | None
@@ -60,7 +63,7 @@ def add_link_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         default=DEFAULT,
         metavar="PATH",
-        help="the firmware's socket or serial port (default: the one of ./stator emulate --link)",
+        help="socket or serial port of what runs (default: that of run, or of emulate --link)",
     )
     parser.add_argument(
         "--graph", type=Path, metavar="FILE", help="the graph's file, if it is none of Stator's own"
@@ -85,7 +88,8 @@ def main(arguments: argparse.Namespace) -> int:
         if arguments.once or arguments.json or not sys.stdout.isatty():
             _once(link, info, plan, arguments)
         else:
-            _live(link, info, plan, arguments.interval)
+            with contextlib.suppress(KeyboardInterrupt):  # how one ends it
+                _live(link, info, plan, arguments.interval)
     return 0
 
 
@@ -129,14 +133,19 @@ def facts_of(info: Info, time_us: int) -> dict[str, object]:
 
 def measure(link: Link, info: Info, plan: Plan, interval_s: float) -> tuple[int, list[Row]]:
     """Two looks, and what lies between them."""
-    begin_us, before = link.tasks(info.tasks)
-    time.sleep(interval_s)
-    end_us, after = link.tasks(info.tasks)
+    begin_us, first = link.tasks(info.tasks)
+    before, busy = first, [0] * info.tasks
+    end_s = time.monotonic() + interval_s
+    while (left_s := end_s - time.monotonic()) > 0:
+        time.sleep(min(left_s, LONGEST_LOOK_S))
+        end_us, after = link.tasks(info.tasks)
+        for i in range(info.tasks):
+            busy[i] += (after[i].ticks - before[i].ticks) % WRAP
+        before = after
     span_us = max(end_us - begin_us, 1)
-    ticks_per_us = info.ticks_per_s * 1e-6
     return end_us, [
-        _row(task, a, b, span_us, ticks_per_us, is_timed=plan.is_timed(task.node.name))
-        for task, a, b in zip(plan.tasks, before, after, strict=True)
+        _row(task, first[i], before[i], busy[i], span_us, plan, info)
+        for i, task in enumerate(plan.tasks)
     ]
 
 
@@ -144,40 +153,49 @@ def _row(
     task: Task,
     before: TaskFigures,
     after: TaskFigures,
+    busy: int,
     span_us: int,
-    ticks_per_us: float,
-    *,
-    is_timed: bool,
+    plan: Plan,
+    info: Info,
 ) -> Row:
     count = (after.activations - before.activations) % WRAP
-    busy_us = (after.ticks - before.ticks) % WRAP / ticks_per_us
+
+    def us(ticks: int) -> float | None:
+        return ticks * 1e6 / info.ticks_per_s if info.ticks_per_s else None
+
+    busy_us = us(busy)
     return Row(
         task=task.node.name,
         level=task.level,
         activations=after.activations,
         per_s=count * 1e6 / span_us,
-        load_pct=100.0 * busy_us / span_us,
-        last_us=after.last_ticks / ticks_per_us,
-        mean_us=busy_us / count if count else None,
-        max_us=after.most_ticks / ticks_per_us,
+        load_pct=None if busy_us is None else 100.0 * busy_us / span_us,
+        last_us=us(after.last_ticks),
+        mean_us=busy_us / count if busy_us is not None and count else None,
+        max_us=us(after.most_ticks),
         budget_us=task.node.budget_us,
-        response_max_us=after.latest_us if is_timed else None,
+        response_max_us=after.latest_us if is_timed(plan, info, task) else None,
         deadline_us=task.node.deadline_us,
         lost_samples=after.lost,
         missed_life_signs=after.missed_life_signs,
     )
 
 
+def is_timed(plan: Plan, info: Info, task: Task) -> bool:
+    return info.ticks_per_s != 0 and plan.is_timed(task.node.name)
+
+
 def _table(info: Info, time_us: int, rows: list[Row]) -> Table:
     from rich import box
     from rich.table import Table
 
-    load = sum(row.load_pct for row in rows)
+    load = ", load " + number(sum(row.load_pct or 0.0 for row in rows)) + " %"
+    load += " of one processor" if info.unit == "cpu_time" else ""
+    load = "" if info.unit == "nothing" else load
     state = ", SAFE MODE: no task runs" if info.safe_mode else ""
-    kind = "emulated us" if info.unit == "instructions" else "us"
     table = Table(
-        title=f"{info.graph} on {info.board}, up {time_us * 1e-6:.1f} s, load {load:.1f} %{state}",
-        caption=f"execution times in {kind}, counted as {info.unit}",
+        title=f"{info.graph} on {info.board}, up {time_us * 1e-6:.1f} s{load}{state}",
+        caption=in_words(info),
         box=box.SIMPLE_HEAD,
         padding=(0, 1, 0, 0),
     )
@@ -190,8 +208,8 @@ def _table(info: Info, time_us: int, rows: list[Row]) -> Table:
             str(row.level),
             row.task,
             f"{row.per_s:.0f}",
-            f"{row.load_pct:.1f}",
-            f"{row.last_us:.1f}",
+            number(row.load_pct),
+            number(row.last_us),
             number(row.mean_us),
             against(row.max_us, row.budget_us),
             against(row.response_max_us, row.deadline_us, digits=0),
@@ -199,6 +217,15 @@ def _table(info: Info, time_us: int, rows: list[Row]) -> Table:
             _count(row.missed_life_signs),
         )
     return table
+
+
+def in_words(info: Info) -> str:
+    return {
+        "cycles": "execution times in us, counted as cycles",
+        "instructions": "execution times in emulated us, counted as instructions",
+        "cpu_time": "execution times in us of CPU time",
+        "nothing": "built without STATOR_COUNTERS: no times",
+    }.get(info.unit, f"execution times in us, counted as {info.unit}")
 
 
 def number(value: float | None, digits: int = 1) -> str:

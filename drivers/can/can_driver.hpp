@@ -3,7 +3,10 @@
 //
 //     void begin(uint64_t now_us);                     each activation begins with it
 //     CanSend send(const CanFrame& frame);
+//     bool take_back(CanFrame& frame);  one that was sent by `send` only, and never will be; of one
+//                                       identifier the last first; false: there is none
 //     bool receive(CanFrame& frame, uint64_t now_us);  false: none waits
+//     void end();                                      each activation ends with it
 //     CanInterfaceStatus::State state();
 //     void count(CanInterfaceStatus& status);          adds what the port has counted
 #pragma once
@@ -19,40 +22,43 @@ enum class CanSend : uint8_t {
     kRefused  // it can never be sent
 };
 
+// Frames that waited for so long are given up: an old motor command is worse than none.
+inline constexpr uint64_t kMostCanWait_us = 50'000;
+
 template <class Port>
 class CanDriver {
   public:
-    // Frames that waited for so long are given up: an old motor command is worse than none.
-    static constexpr uint64_t kMostWait_us = 50'000;
-
     explicit CanDriver(Port port) : port_(port) {}
 
     void step(CanPorts& ports) {
         port_.begin(ports.now);
-        if (ports.send) queue(*ports.send, ports.now);
+        if (ports.send) queue(*ports.send);
+        take_back();
         send_waiting(ports.now);
         receive(ports);
         report(ports);
+        port_.end();
     }
-    Port& port() { return port_; }
 
   private:
     static constexpr unsigned kMostWaiting = 32;
     static constexpr unsigned kMostReceived = 8;  // of one activation: the burst of the output
-    struct Item {
-        CanFrame frame;
-        uint64_t queued_us;
-    };
 
-    void queue(const CanFrame& frame, uint64_t now_us) {
+    void queue(const CanFrame& frame) {
         const bool is_frame = frame.length <= frame.data.size() &&
                               frame.id <= (frame.extended ? 0x1FFFFFFFU : 0x7FFU);
-        if (!is_frame || !queue_.add({frame, now_us})) ++tx_lost_;
+        if (!is_frame || !queue_.add(frame)) ++tx_lost_;
+    }
+    void take_back() {
+        for (CanFrame frame; port_.take_back(frame);) {
+            --frames_tx_;
+            if (!queue_.put_back(frame)) ++tx_lost_;
+        }
     }
     void send_waiting(uint64_t now_us) {
-        if (now_us > kMostWait_us) tx_lost_ += queue_.remove_older(now_us - kMostWait_us);
+        if (now_us > kMostCanWait_us) tx_lost_ += queue_.remove_older(now_us - kMostCanWait_us);
         while (!queue_.is_empty()) {
-            const CanSend result = port_.send(queue_.first().frame);
+            const CanSend result = port_.send(queue_.first());
             if (result == CanSend::kFull) return;
             ++(result == CanSend::kSent ? frames_tx_ : refused_);
             queue_.remove_first();
@@ -81,7 +87,7 @@ class CanDriver {
     }
 
     Port port_;
-    CanQueue<Item, kMostWaiting> queue_;
+    CanQueue<CanFrame, kMostWaiting> queue_;
     uint64_t frames_tx_ = 0;
     uint64_t frames_rx_ = 0;
     uint64_t refused_ = 0;

@@ -6,32 +6,33 @@
 
 namespace stator {
 
-// Holds `kCapacity` items with `frame.id`, `frame.extended` and `queued_us`. Lower identifiers go
-// first, equal ones in their order: so frames of one transfer keep theirs.
-template <class Item, unsigned kCapacity>
+// Holds `kCapacity` frames with `timestamp`, `id` and `extended`. Lower identifiers go first, equal
+// ones in their order: so frames of one transfer keep theirs.
+template <class Frame, unsigned kCapacity>
 class CanQueue {
   public:
     bool is_empty() const { return count_ == 0; }
     unsigned count() const { return count_; }
-    const Item& first() const { return items_[0]; }
+    const Frame& first() const { return frames_[0]; }
 
     // False if a frame had to go: the least urgent, which may be this one.
-    [[nodiscard]] bool add(const Item& item) {
+    [[nodiscard]] bool add(const Frame& frame) {
         unsigned place = count_;
-        while (place > 0 && rank(item) < rank(items_[place - 1])) --place;
-        const bool room = count_ < kCapacity;
-        if (place == kCapacity) return false;
-        const unsigned last = room ? count_++ : kCapacity - 1;
-        for (unsigned i = last; i > place; --i) items_[i] = items_[i - 1];
-        items_[place] = item;
-        return room;
+        while (place > 0 && rank(frame) < rank(frames_[place - 1])) --place;
+        return insert(frame, place);
+    }
+    // The same for one that was first already: it goes before those of its identifier.
+    [[nodiscard]] bool put_back(const Frame& frame) {
+        unsigned place = count_;
+        while (place > 0 && rank(frame) <= rank(frames_[place - 1])) --place;
+        return insert(frame, place);
     }
     void remove_first() { remove(0); }
-    // How many had waited since before `oldest_us` and are gone.
+    // How many are from before `oldest_us` and are gone.
     unsigned remove_older(uint64_t oldest_us) {
         const unsigned before = count_;
         for (unsigned i = count_; i > 0; --i) {
-            if (items_[i - 1].queued_us < oldest_us) remove(i - 1);
+            if (frames_[i - 1].timestamp < oldest_us) remove(i - 1);
         }
         return before - count_;
     }
@@ -39,17 +40,24 @@ class CanQueue {
   private:
     // In the bus's arbitration, 11 bits come first, and a short identifier wins over a long one
     // that begins alike.
-    static uint32_t rank(const Item& item) {
-        return item.frame.extended
-                   ? ((item.frame.id & 0x1FFC0000) << 1) | 0x40000 | (item.frame.id & 0x3FFFF)
-                   : item.frame.id << 19;
+    static uint32_t rank(const Frame& frame) {
+        return frame.extended ? ((frame.id & 0x1FFC0000) << 1) | 0x40000 | (frame.id & 0x3FFFF)
+                              : frame.id << 19;
+    }
+    bool insert(const Frame& frame, unsigned place) {
+        const bool room = count_ < kCapacity;
+        if (place == kCapacity) return false;
+        const unsigned last = room ? count_++ : kCapacity - 1;
+        for (unsigned i = last; i > place; --i) frames_[i] = frames_[i - 1];
+        frames_[place] = frame;
+        return room;
     }
     void remove(unsigned place) {
         --count_;
-        for (unsigned i = place; i < count_; ++i) items_[i] = items_[i + 1];
+        for (unsigned i = place; i < count_; ++i) frames_[i] = frames_[i + 1];
     }
 
-    std::array<Item, kCapacity> items_{};
+    std::array<Frame, kCapacity> frames_{};
     unsigned count_ = 0;
 };
 

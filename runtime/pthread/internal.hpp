@@ -32,7 +32,6 @@ void ask_permission(const Settings& settings);
 void ask_for_memory(const Settings& settings);
 // At the begin of a thread: names it and touches its stack, so that no activation is the first to.
 void prepare_thread(const char* name);
-uint64_t thread_cpu_ns();
 
 // Above those of all levels, as interrupts are.
 inline constexpr unsigned kDevicePriority = 16;
@@ -49,6 +48,15 @@ bool is_any_level_busy();         // two looks: true unless all slept in between
 void stop_level(unsigned level);  // once its task has ended
 // False if it has not ended at time `end_us`: then its thread stays.
 [[nodiscard]] bool join_level(unsigned level, uint64_t end_us);
+
+// --- link.cpp: of the thread that waits for the end ---
+
+// What to wait for until somebody wants something of the link; -1: nothing, or not yet.
+int link_events(uint64_t now_us);
+// When the link may be looked at again, if that is not now.
+uint64_t next_link_turn_us(uint64_t now_us);
+void serve_link(uint64_t now_us);
+void close_link();
 
 // --- line.cpp ---
 

@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <iterator>
 
 #include "internal.hpp"
 #include "stator/mutex.hpp"
@@ -83,6 +84,7 @@ bool end_levels(unsigned count, uint64_t end_us) {
 // What there is of threads ends without having run a task.
 bool cancel(unsigned levels, const char* what) {
     refuse(what);
+    close_link();
     stop_releases();
     drop_pending();
     open_gate();
@@ -112,12 +114,16 @@ Ending wait_until(uint64_t end_us) {
         const uint64_t now_us = clock_us();
         if (now_us >= end_us) return Ending::kTime;
         all_show_life(program.watched, program.watched_count, now_us);
-        const uint64_t left_us = std::min(end_us - now_us, kWatchPeriod_us);
+        const uint64_t next_us = std::min(end_us, next_link_turn_us(now_us));
+        const uint64_t left_us = std::min(next_us - now_us, kWatchPeriod_us);
         const timespec left{.tv_sec = static_cast<time_t>(left_us / 1'000'000),
                             .tv_nsec = static_cast<long>(left_us % 1'000'000) * 1000};
-        pollfd waits[] = {{stops, POLLIN, 0}, {signals, POLLIN, 0}};
-        if (ppoll(waits, 2, &left, nullptr) <= 0) continue;
+        pollfd waits[] = {
+            {stops, POLLIN, 0}, {signals, POLLIN, 0}, {link_events(now_us), POLLIN, 0}};
+        if (ppoll(waits, std::size(waits), &left, nullptr) <= 0) continue;
         if (waits[0].revents != 0) return Ending::kStopped;
+        if (waits[2].revents != 0) serve_link(clock_us());
+        if (waits[1].revents == 0) continue;
         signalfd_siginfo info{};
         if (read(signals, &info, sizeof info) != sizeof info) continue;
         heard = static_cast<int>(info.ssi_signo);
@@ -156,6 +162,7 @@ void give_signals_back() {
 }  // namespace
 
 bool finish() {
+    close_link();
     stop_lines();
     stop_releases();
     const bool came_to_rest = wait_until_idle(kLongestEnd_us);

@@ -32,7 +32,9 @@ class SocketPort {
 
     void begin(uint64_t now_us);
     CanSend send(const CanFrame& frame);
+    bool take_back(CanFrame&) { return false; }  // what the kernel has, it keeps
     bool receive(CanFrame& frame, uint64_t now_us);
+    void end() {}
     CanInterfaceStatus::State state() const { return state_; }
     void count(CanInterfaceStatus& status) const;
 

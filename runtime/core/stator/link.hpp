@@ -11,6 +11,13 @@ struct Transport {
     size_t (*write)(const uint8_t* bytes, size_t count);  // how many went
 };
 
+// What execution times are counted in.
+struct TickSource {
+    uint32_t hz;
+    uint8_t unit;      // 0: cycles of the core; 1: instructions of an emulator; 2: ns of CPU time
+    uint8_t per_unit;  // ticks in one of these
+};
+
 // Serves one request after the other. `answer` gets a request and writes the answer's body, of at
 // most `kMostAnswer` bytes; 0: there is none. Context: one, less urgent than all tasks.
 class Link {
@@ -21,7 +28,9 @@ class Link {
 
     explicit constexpr Link(Answer answer) : answer_(answer) {}
 
-    void serve(const Transport& transport) {
+    // `Bytes`: a `Transport`, or what has the same two functions.
+    template <class Bytes>
+    void serve(Bytes& transport) {
         send(transport);
         uint8_t byte = 0;
         while (sent_ == size_ && transport.read(&byte, 1) == 1) {
@@ -34,8 +43,11 @@ class Link {
         }
     }
 
+    bool is_sending() const { return sent_ != size_; }
+
   private:
-    void send(const Transport& transport) {
+    template <class Bytes>
+    void send(Bytes& transport) {
         if (sent_ != size_) sent_ += transport.write(frame_.data() + sent_, size_ - sent_);
     }
 

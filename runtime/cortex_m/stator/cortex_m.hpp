@@ -66,13 +66,6 @@ void serve_link();
 // Set by a board that has a link, in `prepare`.
 extern const Transport* link_transport;
 
-// What `board::ticks` counts.
-struct TickSource {
-    uint32_t hz;
-    uint8_t unit;      // 0: cycles of the core; 1: instructions of an emulator
-    uint8_t per_unit;  // ticks in one of these
-};
-
 // Microseconds since boot, from the board's 32-bit timer. Any context; constant time; needs to be
 // called from anywhere at least every 2^31 us, which SysTick sees to.
 uint64_t clock_us();
@@ -96,7 +89,7 @@ void start();    // after all vectors are enabled: lines may be raised from here
 uint32_t timer_us();
 // For how long a task runs; modulo 2^32. Inlined where the image is optimised at once.
 uint32_t ticks();
-extern const TickSource kTickSource;
+extern const TickSource kTickSource;  // what they are
 // Puts the motors into their defined state. Any context, also that of a fault, and before
 // `prepare`: short, bounded, without the graph.
 void make_safe();

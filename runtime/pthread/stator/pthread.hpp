@@ -3,6 +3,7 @@
 
 #include <pthread.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -42,6 +43,12 @@ struct Program {
     const Watched* watched;
     unsigned watched_count;
     void (*start)();  // connects the lines and publishes the parameters
+    // What the link tells:
+    const Topic* const* topics = nullptr;  // in the order of the plan
+    unsigned topic_count = 0;
+    const char* board = "";                       // name
+    const char* graph = "";                       // name
+    const char* graph_hash = "0000000000000000";  // of what behaves, in hexadecimal
 };
 extern const Program program;
 
@@ -71,6 +78,9 @@ uint64_t clock_us();
 // The same clock at its full resolution.
 uint64_t clock_ns();
 
+// CPU time of the calling thread.
+uint64_t thread_cpu_ns();
+
 // Sleeps until the clock says so.
 void sleep_until_us(uint64_t time_us);
 
@@ -85,6 +95,15 @@ void sleep_until_us(uint64_t time_us);
 [[nodiscard]] bool start(const Settings& settings = {});
 const std::vector<Refusal>& refusals();
 bool is_real_time();  // the levels have SCHED_FIFO
+
+// Before `start`: makes a Unix socket at `path`, where `wait_until` answers what docs/link.md
+// lists, until `finish` removes it. One that nobody serves any more is replaced. False, after one
+// line on the standard error output, if there can be none.
+[[nodiscard]] bool offer_link(const char* path);
+
+// Copies at most `bytes` of a topic's newest sample, as the link does, and returns its number; 0:
+// there is none. The thread of `wait_until`.
+uint32_t copy_newest(const Topic& topic, uint8_t* to, size_t bytes);
 
 enum class Ending { kTime, kStopped, kSignal };
 // Waits until time `end_us`, `stop()`, or a signal; meanwhile, looks for life signs.

@@ -20,7 +20,8 @@ MIXED = HOME / "tests" / "codegen" / "replay" / "graph" / "mixed.yaml"
 def run_and_replay(
     graph: Path, seconds: str, log: Path, capsys: pytest.CaptureFixture[str]
 ) -> dict[str, Any]:
-    assert cli.main(["run", str(graph), "--duration", seconds, "-o", str(log), "--json"]) in (0, 1)
+    words = ["--duration", seconds, "-o", str(log), "--link", str(log.with_suffix(".link"))]
+    assert cli.main(["run", str(graph), *words, "--json"]) in (0, 1)
     capsys.readouterr()
     status = cli.main(["replay", str(log), "--json"])
     facts: dict[str, Any] = json.loads(capsys.readouterr().out)

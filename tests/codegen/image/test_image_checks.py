@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import struct
 import subprocess
 from pathlib import Path
 
@@ -10,11 +11,14 @@ import pytest
 from tests.emulation.firmware_tools import needs_toolchain
 
 from stator.build import build
+from stator.check import check
 from stator.counts import GRAPHS
 from stator.firmware import sizes_of, total_of
 from stator.image_checks import faults_of, sections_of
 from stator.library import HOME
+from stator.plan import plan
 
+CORE_VECTORS = 16  # ARMv7-M: the stack pointer and 15 exceptions
 FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-O1", "-std=c++20"]
 STRICT = ["-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics", "-fno-math-errno"]
 
@@ -92,9 +96,10 @@ def test_each_planted_fault_is_found(
     assert any(expected in fault for fault in faults), faults
 
 
-def test_the_quad_has_no_fault() -> None:
+@pytest.mark.parametrize(("graph", "board"), [("quad", "qemu_f405"), ("quad_can", "fmu_v2")])
+def test_the_quad_has_no_fault(graph: str, board: str) -> None:
     needs_toolchain()
-    quad = build(HOME / "graph" / "quad.yaml", "qemu_f405", executor="cortex_m")
+    quad = build(HOME / "graph" / f"{graph}.yaml", board, executor="cortex_m")
     assert faults_of(quad) == []
     flash, ram = total_of(quad)
     assert flash < 160 * 1024
@@ -105,14 +110,42 @@ def test_the_quad_has_no_fault() -> None:
     for part in (0, 1):
         assert sum(sizes[part] for sizes in parts.values()) == (flash, ram)[part]
     unnamed = parts["texts and gaps"]
-    assert all(0 <= size < 4096 for size in unnamed), unnamed
-    golden = Path(__file__).parent / "golden" / "quad.txt"
+    assert all(0 <= size < flash / 12 for size in unnamed), unnamed
+    golden = Path(__file__).parent / "golden" / f"{graph}.txt"
     rows = [*parts.items(), ("image", (flash, ram))]
     text = "".join(f"{name:24} {size[0]:6} {size[1]:6}\n" for name, size in rows)
     if os.environ.get("STATOR_UPDATE"):
         golden.parent.mkdir(exist_ok=True)
         golden.write_text(text, encoding="utf-8")
     assert text == golden.read_text(encoding="utf-8"), text
+
+
+def vectors_of(image: Path, folder: Path) -> list[str]:
+    """What each of the chip's own vectors starts; the table is the image's begin."""
+    command = ["arm-none-eabi-nm", "-C", str(image)]
+    lines = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
+    names = {
+        int(row[0], 16): row[2] for row in (line.split(maxsplit=2) for line in lines) if row[2:]
+    }
+    raw = folder / "image.bin"
+    subprocess.run(["arm-none-eabi-objcopy", "-O", "binary", image, raw], check=True)
+    handlers = struct.unpack_from("<91I", raw.read_bytes(), 4 * CORE_VECTORS)
+    return [names[handler & ~1] for handler in handlers]
+
+
+def test_the_can_lines_of_fmu_v2_have_their_vectors(tmp_path: Path) -> None:
+    needs_toolchain()
+    quad = build(HOME / "graph" / "quad_can.yaml", "fmu_v2", executor="cortex_m")
+    vectors = vectors_of(quad, tmp_path)
+    # RM0090, table 62: CAN1's are 19 to 22, CAN2's 63 to 66.
+    lines = ["tx", "rx0", "rx1", "sce"]
+    assert [name.split("::")[-1] for name in vectors[19:23]] == [
+        f"dispatch_can1_{line}()" for line in lines
+    ]
+    assert vectors[63:67] == ["stator_fault"] * 4
+    task = plan(*check(HOME / "graph" / "quad_can.yaml")).task("can1").vector
+    assert task is not None
+    assert vectors[task] == "stator::tasks::can1::run()"
 
 
 def test_the_quad_masks_nothing() -> None:

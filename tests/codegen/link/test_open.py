@@ -1,4 +1,4 @@
-"""What is named as the firmware's place, and is none."""
+"""What is named as the place of what runs, and is none."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from stator.link import Link, NoLink
 
 
 def test_a_device_that_is_no_serial_port_is_refused() -> None:
-    with pytest.raises(NoLink, match=r"^error: no firmware at /dev/null: it is no serial port\n"):
+    with pytest.raises(NoLink, match=r"^error: nothing runs at /dev/null: it is no serial port\n"):
         Link(Path("/dev/null"))
 
 

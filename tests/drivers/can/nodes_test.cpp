@@ -3,12 +3,14 @@
 
 #include <initializer_list>
 #include <memory>
+#include <numeric>
+#include <optional>
 #include <vector>
 
 #include "can_esc.hpp"
 #include "can_gnss.hpp"
 #include "dronecan_node.hpp"
-#include "get_set.hpp"
+#include "parameter_server.hpp"
 #include "stator/dronecan/port.hpp"
 #include "stator/math/bits.hpp"
 #include "stator/testing.hpp"
@@ -251,7 +253,19 @@ TEST(DronecanAllocator, gives_the_same_part_the_same_id_even_without_its_table) 
     full.set_range(50, 51);
     full.note_taken(50);
     EXPECT_EQ(allocate(full, 1), 51);
+    EXPECT_FALSE(full.is_full());
     EXPECT_EQ(allocate(full, 2), 0) << "no id is left";
+    EXPECT_TRUE(full.is_full());
+    EXPECT_EQ(allocate(full, 1), 51) << "which is its own";
+}
+
+TEST(DronecanAllocator, remembers_only_what_can_be_an_id) {
+    Allocator allocator;
+    const Allocator::UniqueId part{1};
+    allocator.remember(0, part);
+    allocator.remember(128, part);
+    allocator.remember(UINT32_MAX, part);
+    allocator.remember(60, std::span(part).first(15));
 }
 
 TEST(DronecanAllocator, a_piece_that_comes_late_or_out_of_turn_is_no_continuation) {
@@ -271,77 +285,21 @@ TEST(DronecanAllocator, a_piece_that_comes_late_or_out_of_turn_is_no_continuatio
     EXPECT_FALSE(allocator.answer(piece, 601'000));
 }
 
-namespace get_set {
-
-using dronecan::protocol::param::GetSet;
-using dronecan::protocol::param::NumericValue;
-using dronecan::protocol::param::Value;
-
-GetSet::Request write(const Value& value) {
-    GetSet::Request request{.index = 3, .value = value};
-    request.name.assign(std::string_view("wing.gain"));
-    return request;
+TEST(DronecanParameters, are_written_within_their_range_and_by_who_may) {
+    using GetSet = ParameterServer::GetSet;
+    DronecanNodeParams params{.last_given = 125};
+    GetSet::Request request;
+    request.name.assign(std::string_view("dronecan_node.last_given"));
+    request.value.tag = dronecan::protocol::param::Value::Tag::kIntegerValue;
+    request.value.integer_value = 99;
+    EXPECT_EQ(ParameterServer::answer(request, params, false).value.integer_value, 125);
+    EXPECT_EQ(ParameterServer::answer(request, params, true).value.integer_value, 99);
+    request.value.integer_value = 126;
+    EXPECT_EQ(ParameterServer::answer(request, params, true).value.integer_value, 99);
+    EXPECT_EQ(params.last_given, 99);
+    request.name.count = 3;
+    EXPECT_EQ(ParameterServer::answer(request, params, true).name.count, 0);
 }
-
-TEST(DronecanGetSet, a_value_is_written_by_who_may) {
-    const Value half{.tag = Value::Tag::kRealValue, .real_value = 0.5F};
-    ParameterRequest request = to_request(write(half), 9, true);
-    EXPECT_EQ(request.requester, ParameterRequest::Requester::kCan);
-    EXPECT_EQ(request.tag, 9);
-    EXPECT_EQ(request.action, ParameterRequest::Action::kSet);
-    EXPECT_EQ(request.type, ParameterRequest::Type::kFloat);
-    EXPECT_EQ(request.float_value, 0.5F);
-    EXPECT_EQ(request.index, 3);
-    EXPECT_EQ(std::string_view(reinterpret_cast<const char*>(request.name.data())), "wing.gain");
-    request = to_request(write(half), 9, false);
-    EXPECT_EQ(request.action, ParameterRequest::Action::kGet);
-    EXPECT_EQ(to_request(write({}), 9, true).action, ParameterRequest::Action::kGet);
-}
-
-TEST(DronecanGetSet, what_fits_none_of_our_types_only_asks) {
-    const auto whole = [](int64_t value) {
-        return to_request(write({.tag = Value::Tag::kIntegerValue, .integer_value = value}), 1,
-                          true);
-    };
-    EXPECT_EQ(whole(INT32_MIN).action, ParameterRequest::Action::kSet);
-    EXPECT_EQ(whole(INT32_MIN).int_value, INT32_MIN);
-    EXPECT_EQ(whole(int64_t{INT32_MAX} + 1).action, ParameterRequest::Action::kGet);
-    EXPECT_EQ(to_request(write({.tag = Value::Tag::kStringValue}), 1, true).action,
-              ParameterRequest::Action::kGet);
-    EXPECT_EQ(
-        to_request(write({.tag = Value::Tag::kBooleanValue, .boolean_value = 1}), 1, true).type,
-        ParameterRequest::Type::kBool);
-}
-
-TEST(DronecanGetSet, an_answer_is_of_the_parameters_type) {
-    ParameterValue value{.type = ParameterValue::Type::kInt32,
-                         .int_value = -2,
-                         .int_least = -5,
-                         .int_most = 5,
-                         .int_default = 1,
-                         .name = {'a', '.', 'b'}};
-    GetSet::Response response = to_response(value);
-    EXPECT_EQ(response.value.tag, Value::Tag::kIntegerValue);
-    EXPECT_EQ(response.value.integer_value, -2);
-    EXPECT_EQ(response.default_value.integer_value, 1);
-    EXPECT_EQ(response.min_value.integer_value, -5);
-    EXPECT_EQ(response.max_value.integer_value, 5);
-    EXPECT_EQ(response.name.count, 3);
-    value.type = ParameterValue::Type::kFloat;
-    value.float_most = 2.5F;
-    EXPECT_EQ(to_response(value).max_value.real_value, 2.5F);
-    value.type = ParameterValue::Type::kBool;
-    EXPECT_EQ(to_response(value).value.tag, Value::Tag::kBooleanValue);
-    EXPECT_EQ(to_response(value).max_value.tag, NumericValue::Tag::kEmpty);
-    value.result = ParameterValue::Result::kUnknown;
-    EXPECT_EQ(to_response(value).name.count, 0);
-    EXPECT_EQ(to_response(value).value.tag, Value::Tag::kEmpty);
-    value.result = ParameterValue::Result::kRead;
-    value.name.fill('x');
-    EXPECT_EQ(to_response(value).name.count, 92);
-}
-
-}  // namespace get_set
 
 // Runs the node every 2 ms, with one frame more each time, and collects what it sends.
 struct NodeTest : ::testing::Test {
@@ -354,17 +312,19 @@ struct NodeTest : ::testing::Test {
                 .now = now_us,
                 .can = i < frames.size() ? Input(frames[i]) : Input<CanFrame>(),
                 .status = Input(status),
-                .parameter = answer.tag != 0 ? Input(answer) : Input<ParameterValue>(),
+                .stored = next_record < stored.size() ? Input(stored[next_record])
+                                                      : Input<StoredRecord>(),
+                .memory = has_memory ? Input(memory) : Input<NonvolatileStatus>(),
                 .params = Input(params, is_first)};
             is_first = false;
             stator::testing::Probe sent(ports.frames, now_us);
             stator::testing::Probe restart(ports.restart, now_us);
-            stator::testing::Probe request(ports.request, now_us);
+            std::optional<stator::testing::Probe<StoredRecord>> store;
+            if (has_memory) store.emplace(ports.store, now_us);
             node.step(ports);
-            answer.tag = 0;
+            ++next_record;
+            if (store && store->count() != 0) kept = store->newest();
             sent_count += sent.count();
-            requests += request.count();
-            if (request.count() != 0) asked = request.newest();
             restarts += restart.count();
             if (sent.count() != 0) newest = sent.newest();
         }
@@ -379,13 +339,15 @@ struct NodeTest : ::testing::Test {
                               .first_given = 50,
                               .last_given = 125};
     bool armed = false;
+    bool has_memory = false;
+    NonvolatileStatus memory{.state = NonvolatileStatus::State::kLoading};
+    std::vector<StoredRecord> stored;  // one in each activation
+    std::size_t next_record = 0;
+    StoredRecord kept{};
     bool is_first = true;
     uint64_t now_us = 1'000'000;
     uint32_t sent_count = 0;
     uint32_t restarts = 0;
-    uint32_t requests = 0;
-    ParameterRequest asked{};
-    ParameterValue answer{};  // to be read in the next activation; its tag 0: none
     CanFrame newest{};
 };
 
@@ -408,58 +370,6 @@ TEST_F(NodeTest, a_long_answer_goes_out_four_frames_at_a_time) {
     EXPECT_EQ(sent_count, 1U + 9U);
 }
 
-TEST_F(NodeTest, asks_for_a_parameter_and_hands_the_answer_on_under_the_requests_transfer_id) {
-    using dronecan::protocol::param::GetSet;
-    run({}, 1);  // the status
-    run(frames_of(GetSet::Request{.index = 2}, 99, now_us, 21), 5);
-    EXPECT_EQ(requests, 1U);
-    EXPECT_EQ(asked.index, 2);
-    EXPECT_EQ(sent_count, 1U) << "not before it knows";
-    run(frames_of(GetSet::Request{.index = 3}, 98, now_us), 1);
-    EXPECT_EQ(requests, 1U) << "one at a time";
-    answer = {.requester = ParameterValue::Requester::kCan,
-              .tag = static_cast<uint8_t>(asked.tag + 1),
-              .name = {'a'}};
-    run({}, 1);
-    EXPECT_EQ(sent_count, 1U) << "it is another request's";
-    answer.tag = asked.tag;
-    answer.requester = ParameterValue::Requester::kNone;
-    run({}, 1);
-    EXPECT_EQ(sent_count, 1U) << "it is another requester's";
-    answer.tag = asked.tag;
-    answer.requester = ParameterValue::Requester::kCan;
-    run({}, 10);
-    EXPECT_GT(sent_count, 1U);
-    EXPECT_EQ(dronecan::from_id(newest.id).destination, 99);
-    EXPECT_EQ(newest.data[newest.length - 1U] % dronecan::kTransferIds, 21);
-    const uint32_t sent = sent_count;
-    answer.tag = asked.tag;
-    run({}, 10);
-    EXPECT_EQ(sent_count, sent) << "an answer counts once";
-}
-
-TEST_F(NodeTest, a_parameter_that_nobody_answers_for_does_not_block_the_next) {
-    using dronecan::protocol::param::GetSet;
-    run(frames_of(GetSet::Request{}, 99, now_us), 251);  // half a second
-    run(frames_of(GetSet::Request{}, 99, now_us, 1), 1);
-    EXPECT_EQ(requests, 2U);
-}
-
-TEST_F(NodeTest, writes_parameters_for_the_tool_and_disarmed_only) {
-    using dronecan::protocol::param::GetSet;
-    using dronecan::protocol::param::Value;
-    const GetSet::Request request{.value = {.tag = Value::Tag::kIntegerValue, .integer_value = 1}};
-    const auto action = [&](uint8_t source, uint8_t transfer_id) {
-        run(frames_of(request, source, now_us, transfer_id), 300);
-        return asked.action;
-    };
-    EXPECT_EQ(action(99, 0), ParameterRequest::Action::kGet);
-    EXPECT_EQ(action(127, 0), ParameterRequest::Action::kSet);
-    armed = true;
-    EXPECT_EQ(action(127, 1), ParameterRequest::Action::kGet);
-    EXPECT_EQ(requests, 3U);
-}
-
 TEST_F(NodeTest, restarts_for_the_tool_and_disarmed_only) {
     using Restart = dronecan::protocol::RestartNode;
     const Restart::Request request{.magic_number = Restart::Request::kMagicNumber};
@@ -474,6 +384,94 @@ TEST_F(NodeTest, restarts_for_the_tool_and_disarmed_only) {
     run(frames_of(request, 127, now_us, 3), 1);
     EXPECT_EQ(restarts, 1U);
     EXPECT_TRUE(decoded<Restart::Response>(newest).ok);
+}
+
+// A graph with a memory for records.
+struct MemoryTest : NodeTest {
+    using Allocation = Allocator::Message;
+    using State = NonvolatileStatus::State;
+
+    MemoryTest() { has_memory = true; }
+
+    static Allocator::UniqueId part(uint8_t seed) {
+        Allocator::UniqueId id;
+        std::iota(id.begin(), id.end(), seed);
+        return id;
+    }
+    static StoredRecord record_of(uint8_t node, uint8_t seed) {
+        return {
+            .key = node, .kind = StoredRecord::Kind::kCanNode, .length = 16, .data = part(seed)};
+    }
+    // The id that a part is given and that is kept; 0: none.
+    uint32_t ask(uint8_t seed, uint8_t preferred = 0) {
+        kept = {};
+        const auto unique_id = part(seed);
+        for (unsigned first = 0; first < 16; first += 6) {
+            Allocation request{.node_id = preferred, .first_part_of_unique_id = first == 0};
+            request.unique_id.assign(std::span(unique_id).subspan(first, first < 12 ? 6 : 4));
+            run(frames_of(request, 0, now_us, transfer_id++ % 32U), 3);
+        }
+        if (kept.key != 0) {
+            EXPECT_EQ(kept.data, unique_id);
+        }
+        return kept.key;
+    }
+    uint8_t health() {
+        run({}, 500);
+        sent_count = 0;
+        while (sent_count == 0) run({}, 1);
+        return decoded<dronecan::protocol::NodeStatus>(newest).health;
+    }
+
+    uint8_t transfer_id = 0;
+};
+
+TEST_F(MemoryTest, an_id_is_given_once_all_records_are_loaded) {
+    EXPECT_EQ(ask(1), 0U);
+    memory.state = State::kLoaded;
+    EXPECT_NE(ask(1), 0U);
+    EXPECT_EQ(health(), 0);
+}
+
+TEST_F(MemoryTest, a_part_gets_the_id_that_it_had_and_no_other_part_does) {
+    // 77 is not where the first part's unique id points.
+    stored = {record_of(90, 9), record_of(77, 1)};
+    stored[0].kind = StoredRecord::Kind::kParameter;
+    run({}, 2);
+    memory.state = State::kLoaded;
+    EXPECT_EQ(ask(1), 77U);
+    EXPECT_NE(ask(2, 77), 77U);
+    EXPECT_EQ(ask(3, 90), 90U) << "what is no id takes none";
+}
+
+TEST_F(MemoryTest, one_that_never_says_so_is_not_waited_for) {
+    EXPECT_EQ(ask(1), 0U);
+    now_us = 10'000'000;
+    EXPECT_NE(ask(1), 0U);
+    EXPECT_EQ(health(), 1) << "a warning";
+}
+
+TEST_F(MemoryTest, without_one_that_works_the_table_is_here_alone_and_that_is_told) {
+    memory.state = State::kFailed;
+    const auto id = ask(1);
+    EXPECT_NE(id, 0U);
+    EXPECT_EQ(ask(1), id);
+    EXPECT_EQ(health(), 1);
+}
+
+TEST_F(MemoryTest, a_record_that_is_not_kept_is_told) {
+    memory = {.refused = 1, .state = State::kLoaded};
+    EXPECT_EQ(health(), 1);
+}
+
+TEST_F(MemoryTest, a_full_table_is_told) {
+    memory.state = State::kLoaded;
+    params.first_given = 50;
+    params.last_given = 50;
+    EXPECT_EQ(ask(1), 50U);
+    EXPECT_EQ(health(), 0);
+    EXPECT_EQ(ask(2), 0U);
+    EXPECT_EQ(health(), 1);
 }
 
 }  // namespace

@@ -9,19 +9,15 @@
 namespace stator {
 namespace {
 
-struct Item {
-    CanFrame frame;
-    uint64_t queued_us;
-};
-using Queue = CanQueue<Item, 4>;
+using Queue = CanQueue<CanFrame, 4>;
 
-Item item(uint32_t id, uint64_t queued_us = 0, bool extended = true) {
-    return {{.id = id, .extended = extended}, queued_us};
+CanFrame item(uint32_t id, uint64_t timestamp = 0, bool extended = true) {
+    return {.timestamp = timestamp, .id = id, .extended = extended};
 }
 
 std::vector<uint64_t> times(Queue queue) {
     std::vector<uint64_t> result;
-    for (; !queue.is_empty(); queue.remove_first()) result.push_back(queue.first().queued_us);
+    for (; !queue.is_empty(); queue.remove_first()) result.push_back(queue.first().timestamp);
     return result;
 }
 
@@ -48,6 +44,20 @@ TEST(CanQueue, gives_up_the_least_urgent_when_full) {
     EXPECT_EQ(times(queue), (std::vector<uint64_t>{1, 2, 3, 4}));
     EXPECT_FALSE(queue.add(item(5, 6)));
     EXPECT_EQ(times(queue), (std::vector<uint64_t>{6, 1, 2, 3}));
+}
+
+TEST(CanQueue, what_is_put_back_goes_before_its_equals) {
+    Queue queue;
+    for (const auto& [id, time] : {std::pair{9U, 1U}, {3U, 2U}}) {
+        EXPECT_TRUE(queue.add(item(id, time)));
+    }
+    EXPECT_TRUE(queue.put_back(item(9, 3)));
+    EXPECT_EQ(times(queue), (std::vector<uint64_t>{2, 3, 1}));
+    EXPECT_TRUE(queue.put_back(item(3, 4)));
+    EXPECT_FALSE(queue.put_back(item(9, 5)));
+    EXPECT_EQ(times(queue), (std::vector<uint64_t>{4, 2, 5, 3}));
+    EXPECT_FALSE(queue.put_back(item(10, 6)));
+    EXPECT_EQ(times(queue), (std::vector<uint64_t>{4, 2, 5, 3}));
 }
 
 TEST(CanQueue, gives_up_what_is_old) {

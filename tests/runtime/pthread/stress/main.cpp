@@ -1,9 +1,14 @@
-// Runs the graph of this folder for so many seconds; the nodes abort at the first wrong sample, and
-// the sanitizer at the first race. Then looks whether all is at rest, and whether all was counted.
+// Runs the graph of this folder for so many seconds, and reads all of it as the link does; the
+// nodes abort at the first wrong sample, and the sanitizer at the first race. Then looks whether
+// all is at rest, and whether all was counted.
+#include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 
 #include "../topic_rig.hpp"
+#include "hammer.hpp"
+#include "stator/answers.hpp"
 #include "stator/pthread.hpp"
 #include "tasks.hpp"
 #include "topics.hpp"
@@ -32,12 +37,54 @@ void expect_releases() {
     }
 }
 
+constexpr const Topic* kBlocks[] = {&topics::alone1,  &topics::alone2, &topics::alone8,
+                                    &topics::many1,   &topics::many2,  &topics::many4,
+                                    &topics::switched};
+constexpr unsigned kTopics = std::size(kBlocks);
+
+// What the link does while the graph runs: it reads the newest of each topic, and all figures.
+class Monitor {
+  public:
+    void look() {
+        for (unsigned i = 0; i < kTopics; ++i) read(i);
+        std::array<uint8_t, 1100> body;
+        for (unsigned first = 0; first < program.task_count; first += kMostTasksTold) {
+            Writer out(body.data());
+            put_tasks(out, program, clock_us(), first);
+        }
+    }
+    uint32_t samples() const { return samples_; }
+
+  private:
+    void read(unsigned topic) {
+        Block block{};
+        const uint32_t number =
+            copy_newest(*kBlocks[topic], reinterpret_cast<uint8_t*>(&block), sizeof block);
+        if (number == 0) return;
+        require(is_whole(block), "stress: the link reads a torn sample");
+        require(number - numbers_[topic] < 1U << 31, "stress: the link goes backwards");
+        require(number != numbers_[topic] || block.value == values_[topic],
+                "stress: a sample has changed");
+        samples_ += number != numbers_[topic] ? 1 : 0;
+        numbers_[topic] = number;
+        values_[topic] = block.value;
+    }
+
+    std::array<uint32_t, kTopics> numbers_{};
+    std::array<uint64_t, kTopics> values_{};
+    uint32_t samples_ = 0;
+};
+
 }  // namespace
 
 int main(int count, char** arguments) {
     const double seconds = count == 2 ? std::atof(arguments[1]) : 1.0;
     if (!start()) return 2;
-    wait_until(static_cast<uint64_t>(seconds * 1e6));
+    Monitor monitor;
+    while (wait_until(clock_us() + 100) == Ending::kTime &&
+           static_cast<double>(clock_us()) < seconds * 1e6) {
+        for (int i = 0; i < 20; ++i) monitor.look();
+    }
     require(finish(), "stress: the graph does not come to rest");
     expect_rest(topics::alone1, "alone1");
     expect_rest(topics::alone2, "alone2");
@@ -57,5 +104,7 @@ int main(int count, char** arguments) {
                     static_cast<unsigned long long>(counters.lost_samples));
         require(counters.activations != 0, "stress: a node never ran");
     }
+    std::printf("the link read %u samples\n", monitor.samples());
+    require(monitor.samples() > 0, "stress: the link read nothing");
     return 0;
 }

@@ -26,9 +26,9 @@ void run() {
     if (!is_due) return;  // an earlier activation has served what pended this one
     ports.now = state.now_us;
     node.step(ports);
-    count_activation(state.counters.activations);
+    add_to_counter(state.counters.activations, 1);
     activation.finish();
-    state.counters.lost_samples += ports.count.lost();
+    add_to_counter(state.counters.lost_samples, ports.count.lost());
 }
 
 }  // namespace stator::tasks::adder

@@ -26,7 +26,7 @@ void run() {
     if (!is_due) return;  // an earlier activation has served what pended this one
     ports.mode.connect(topics::mode, ports.now, false);
     node.step(ports);
-    count_activation(state.counters.activations);
+    add_to_counter(state.counters.activations, 1);
     activation.finish();
     modes::follow();
 }

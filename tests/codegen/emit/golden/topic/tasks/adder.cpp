@@ -27,9 +27,9 @@ void run() {
     ports.extra.take_latest(topics::slow_count, state.extra_number, ports.now, 50000, false);
     ports.sum.connect(topics::sum, ports.now, false);
     node.step(ports);
-    count_activation(state.counters.activations);
+    add_to_counter(state.counters.activations, 1);
     activation.finish();
-    state.counters.lost_samples += ports.count.lost();
+    add_to_counter(state.counters.lost_samples, ports.count.lost());
 }
 
 }  // namespace stator::tasks::adder

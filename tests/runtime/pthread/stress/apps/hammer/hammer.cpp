@@ -12,14 +12,15 @@ std::array<uint64_t, 64> published;
 constexpr uint64_t seal_of(uint64_t source, uint64_t value, unsigned place) {
     return (value + place) * 0x9E3779B97F4A7C15U ^ (source << 7);
 }
+
+}  // namespace
+
 bool is_whole(const Block& block) {
     for (unsigned i = 0; i < block.seals.size(); ++i) {
         if (block.seals[i] != seal_of(block.source, block.value, i)) return false;
     }
     return block.source < published.size();
 }
-
-}  // namespace
 
 // `lost`: how many the port says that this input missed just before the sample.
 void Hammer::check(Watch& watch, const Input<Block>& input, uint32_t lost) {

@@ -8,6 +8,9 @@
 
 namespace stator {
 
+// Whether all of a block is of one publication, by a source that there is.
+bool is_whole(const Block& block);
+
 class Hammer {
   public:
     void step(HammerPorts& ports);

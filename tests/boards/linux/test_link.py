@@ -1,0 +1,175 @@
+"""A user looks at a graph that runs on Linux: top, perf and listener, by their command lines."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+from signal import SIGINT
+from typing import TYPE_CHECKING
+
+import pytest
+
+from stator import cli
+from stator.link import Link, NoLink
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator", "run", "--json"]
+START_S = 300.0  # until it is built and runs, on a busy machine
+
+
+def start(link: Path, duration_s: str) -> subprocess.Popen[str]:
+    words = ["--link", str(link), "--duration", duration_s, "-o", str(link.with_suffix(".ulg"))]
+    pipe = subprocess.PIPE
+    process = subprocess.Popen([*COMMAND, *words], stdout=pipe, stderr=pipe, text=True)
+    end = time.monotonic() + START_S
+    while not link.exists() and process.poll() is None and time.monotonic() < end:
+        time.sleep(0.05)
+    if not link.exists():
+        process.kill()
+        pytest.fail(f"nothing runs: {process.communicate()[1]}")
+    return process
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, int]]:
+    """The link of a run that lasts until the tests are over, and the process of its threads."""
+    link = tmp_path_factory.mktemp("link") / "s"
+    process = start(link, "600")
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text(encoding="utf-8")
+    with Link(link) as other:  # somebody who looks all the time, and at last does not read
+        other.info()
+        yield link, int(children.split()[0])
+        process.send_signal(SIGINT)
+        facts = json.loads(process.communicate()[0])
+    assert process.returncode == 128 + SIGINT
+    assert facts["reason"].startswith("SIGINT after")
+    assert not link.exists()
+
+
+@pytest.fixture
+def link(running: tuple[Path, int]) -> Path:
+    return running[0]
+
+
+def ask(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    capsys.readouterr()
+    assert cli.main([*words]) == 0, capsys.readouterr().err
+    return capsys.readouterr().out
+
+
+def cpu_s(process: int) -> float:
+    """CPU time that all threads have used."""
+    tasks = Path(f"/proc/{process}/task").glob("*/schedstat")
+    return sum(int(file.read_text(encoding="utf-8").split()[0]) for file in tasks) * 1e-9
+
+
+def test_top_shows_what_each_task_takes(
+    running: tuple[Path, int], capsys: pytest.CaptureFixture[str]
+) -> None:
+    link, process = running
+    interval_s = 2.5  # more than one look, as sums of nanoseconds wrap
+    before_s = cpu_s(process)
+    words = ["top", "--link", str(link), "--once", "--json", "--interval", str(interval_s)]
+    facts = json.loads(ask(capsys, *words))
+    used_s = cpu_s(process) - before_s
+    assert (facts["graph"], facts["board"]) == ("quad", "linux")
+    assert facts["measured_in"] == "cpu_time"
+    assert facts["uptime_s"] >= interval_s
+    tasks = {row["task"]: row for row in facts["tasks"]}
+    assert tasks["rate_control"]["level"] == 13
+    for row in tasks.values():
+        assert row["activations"] > 0, row
+        assert 0 < row["last_us"] <= row["max_us"], row
+        assert row["load_pct"] == pytest.approx((row["mean_us"] or 0) * row["per_s"] * 1e-4)
+    # What the tasks take is part of what the process takes; the looks lie a little further apart
+    # than the interval.
+    assert 0 < sum(row["load_pct"] for row in tasks.values()) * 0.01 * interval_s <= used_s
+
+
+def test_top_fits_a_terminal(link: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = ask(capsys, "top", "--link", str(link), "--once", "--interval", "0.3")
+    assert all(len(line) <= 80 for line in table.splitlines())
+    assert " position_estimate " in table
+    assert "CPU time" in table
+
+
+def test_perf_sets_bounds_beside_figures(link: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    facts = json.loads(ask(capsys, "perf", "--link", str(link), "--json"))
+    (chain,) = facts["chains"]
+    assert (chain["chain"], chain["deadline_us"]) == ("gyro_to_motor", 500)
+    responses = {row["task"]: row["response_max_us"] for row in facts["tasks"]}
+    assert chain["latency_max_us"] == responses["motors"]
+    assert responses["imu0"] is None  # nothing in the graph is about its end
+    assert 0 < responses["rate_control"] <= responses["motors"]
+    assert "gyro_to_motor" in ask(capsys, "perf", "--link", str(link))
+
+
+def test_listener_decodes_samples(link: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["listener", "vehicle_attitude", "--link", str(link), "--count", "3"]
+    samples = [json.loads(line) for line in ask(capsys, *words, "--json").splitlines()]
+    assert [sample["number"] for sample in samples] == sorted({s["number"] for s in samples})
+    assert len(samples) == 3
+    for sample in samples:
+        q = sample["fields"]["q"]
+        assert sum(part * part for part in q) == pytest.approx(1.0, abs=1e-5)
+    text = ask(capsys, "listener", "vehicle_status", "--link", str(link), "--count", "1")
+    assert "arming_state" in text
+
+
+def test_another_graph_is_refused(
+    link: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    other = tmp_path / "higher.yaml"
+    other.write_text(
+        "include: [{file: quad.yaml}]\nboard: linux\nnodes: {sequence: {params: {height: 3 m}}}\n"
+    )
+    assert cli.main(["top", "--once", "--link", str(link), "--graph", str(other)]) == 2
+    assert "another version" in capsys.readouterr().err
+
+
+def test_nobody_there(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    for command in (["top"], ["perf"], ["listener", "vehicle_attitude"]):
+        assert cli.main([*command, "--link", str(tmp_path / "none")]) == 2
+        error = capsys.readouterr().err
+        assert "error: nothing runs at" in error
+        assert "./stator run" in error
+
+
+def test_the_link_of_another_run_is_left_to_it(
+    link: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert cli.main(["run", "--link", str(link), "-o", str(tmp_path / "second.ulg")]) == 2
+    assert "is the link of something else that runs\nhint: " in capsys.readouterr().err
+    assert not (tmp_path / "second.ulg").exists()
+    ask(capsys, "perf", "--link", str(link))
+
+
+def test_a_place_that_is_none_is_refused(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "notes"
+    file.write_text("kept", encoding="utf-8")
+    assert cli.main(["run", "--link", str(file)]) == 2
+    assert "exists, and is no socket" in capsys.readouterr().err
+    assert cli.main(["run", "--link", str(tmp_path / ("long" * 30))]) == 2
+    assert "too long for a socket" in capsys.readouterr().err
+    assert file.read_text(encoding="utf-8") == "kept"
+
+
+def test_a_run_ends_in_order_while_somebody_looks(tmp_path: Path) -> None:
+    link = tmp_path / "s"
+    process = start(link, "1.5")
+    with Link(link) as looking, pytest.raises(NoLink, match="is gone"):
+        while True:
+            looking.tasks(looking.info().tasks)
+    output, errors = process.communicate()
+    assert (process.returncode, errors) == (1, "")  # no flight in so short a time
+    facts = json.loads(output)
+    assert "ended by --duration" in facts["reason"]
+    assert facts["link"] == str(link)
+    assert not link.exists()
