@@ -109,6 +109,25 @@ def _topics() -> list[Figure]:
     ]
 
 
+def _activations() -> list[Figure]:
+    """Timing an activation on threads: two reads of the thread's CPU time, and what it adds."""
+    times = google_benchmark("bench_activation")
+    cpu, clock, own = times["cpu_clock"], times["monotonic_clock"], times["activation"]
+    response = times["activation_with_response"] - own
+    return [
+        Figure(
+            "timing an activation on threads",
+            own,
+            "ns",
+            f"at most {2 * cpu + 50:.0f}",
+            own <= 2 * cpu + 50,
+        ),
+        Figure("its response besides", response, "ns", "for comparison", True),
+        Figure("one read of CPU time", cpu, "ns", "for comparison", True),
+        Figure("one read of the clock", clock, "ns", "for comparison", True),
+    ]
+
+
 def google_benchmark(target: str) -> dict[str, float]:
     """Name -> CPU time of one iteration in ns: the least of several runs, as noise only adds."""
     folder = HOME / "build" / "bench"
@@ -197,6 +216,7 @@ def _latency() -> list[Figure]:
 BENCHMARKS = {
     "fly": _fly,
     "topics": _topics,
+    "activations": _activations,
     "latency": _latency,
     "check": _check,
     "edit": _edit,

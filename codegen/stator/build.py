@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # for runs in which activations take time
 RECORDING = {"STATOR_RECORDING": "ON"}  # each flight is recorded in its log, for replay
-PLAIN = {"STATOR_COUNTERS": "OFF"}  # on bare metal: nothing is noted of an activation
+PLAIN = {"STATOR_COUNTERS": "OFF"}  # nothing is timed of an activation
 SLEEP = {"STATOR_SLEEP": "ON"}  # on bare metal: sleeps when idle, instead of spinning
 TOOLCHAIN = HOME / "codegen" / "cmake" / "cortex_m4f.cmake"
 INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate", "pthread": "./stator run"}

@@ -125,7 +125,7 @@ def facts_of(info: Info, time_us: int) -> dict[str, object]:
     return {
         "graph": info.graph,
         "board": info.board,
-        "uptime_s": time_us * 1e-6,
+        "uptime_s": time_us / 1e6,
         "safe_mode": info.safe_mode,
         "measured_in": info.unit,
     }
