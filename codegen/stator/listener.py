@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
 import struct
@@ -48,7 +49,11 @@ def main(arguments: argparse.Namespace) -> int:
             )
         index = names.index(arguments.topic)
         message = plan.topics[arguments.topic].message
-        _listen(link, index, message, arguments)
+        if arguments.count is not None:
+            _listen(link, index, message, arguments)
+        else:
+            with contextlib.suppress(KeyboardInterrupt):  # how one ends it
+                _listen(link, index, message, arguments)
     return 0
 
 

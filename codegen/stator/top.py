@@ -102,7 +102,7 @@ def _once(link: Link, info: Info, plan: Plan, arguments: argparse.Namespace) -> 
     from rich.console import Console
 
     console = Console(highlight=False)
-    console.print(_table(info, time_us, rows))
+    console.print(_table(info, plan, time_us, rows))
     _tell_fault(link, info, plan)
 
 
@@ -118,7 +118,7 @@ def _live(link: Link, info: Info, plan: Plan, interval_s: float) -> None:
     with Live(auto_refresh=False) as live:
         while True:
             time_us, rows = measure(link, info, plan, interval_s)
-            live.update(_table(info, time_us, rows), refresh=True)
+            live.update(_table(info, plan, time_us, rows), refresh=True)
 
 
 def facts_of(info: Info, time_us: int) -> dict[str, object]:
@@ -185,7 +185,7 @@ def is_timed(plan: Plan, info: Info, task: Task) -> bool:
     return info.ticks_per_s != 0 and plan.is_timed(task.node.name)
 
 
-def _table(info: Info, time_us: int, rows: list[Row]) -> Table:
+def _table(info: Info, plan: Plan, time_us: int, rows: list[Row]) -> Table:
     from rich import box
     from rich.table import Table
 
@@ -212,7 +212,7 @@ def _table(info: Info, time_us: int, rows: list[Row]) -> Table:
             number(row.last_us),
             number(row.mean_us),
             against(row.max_us, row.budget_us),
-            against(row.response_max_us, row.deadline_us, digits=0),
+            against(row.response_max_us, _latest_end_us(row, plan), digits=0),
             _count(row.lost_samples),
             _count(row.missed_life_signs),
         )
@@ -246,13 +246,29 @@ def _count(value: int) -> str:
 # --- chains, for perf ---
 
 
+def _latest_end_us(row: Row, plan: Plan) -> int | None:
+    """The deadline of a task or of a chain that ends with it, whichever comes first."""
+    chains = plan.graph.chains
+    ends = [
+        chain.deadline_us
+        for chain in chains
+        if chain.path[-1] == row.task and _carries_time(chain, plan)
+    ]
+    return min([end for end in (row.deadline_us, *ends) if end is not None], default=None)
+
+
 def chain_latency_us(chain: Chain, plan: Plan, rows: list[Row]) -> int | None:
-    """Longest time from what woke the first node to the end of the last one; None where the chain's
-    links are no triggers, so that `now` does not travel along it."""
+    """Longest time from what woke the first node to the end of the last one, where it is known."""
+    last = next(row for row in rows if row.task == chain.path[-1])
+    return last.response_max_us if _carries_time(chain, plan) else None
+
+
+def _carries_time(chain: Chain, plan: Plan) -> bool:
+    """Whether `now` travels along the chain: its links are triggers, and the only ones."""
     nodes = plan.graph.nodes
     for first, second in zip(chain.path, chain.path[1:], strict=False):
         sent = {output.topic for output in nodes[first].outputs.values()}
         woken = {t.name for t in nodes[second].triggers if t.kind == "topic" and not t.is_thinned}
         if len(nodes[second].triggers) != 1 or not sent & woken:
-            return None
-    return next(row.response_max_us for row in rows if row.task == chain.path[-1])
+            return False
+    return True

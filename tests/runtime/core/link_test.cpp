@@ -3,9 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstring>
 #include <deque>
 #include <random>
 #include <vector>
+
+#include "stator/answers.hpp"
 
 namespace {
 
@@ -113,6 +117,57 @@ TEST(Link, answers_each_request_in_turn_however_slowly_bytes_leave) {
     }
     FrameReader<1040> reader;
     EXPECT_EQ(bodies_in(reader, from_link), (std::vector<Bytes>{{11, 1, 6}, {21, 1, 6}}));
+}
+
+// A program of more tasks than an answer has room for; one of them is watched.
+struct ManyTasks {
+    struct Task {
+        TaskCounters* counters;
+    };
+    static constexpr unsigned kCount = 45;
+    std::array<TaskCounters, kCount> counters{};
+    std::array<Task, kCount> rows{};
+    WatchState watch{.missed = 9};
+    Watched watched_row{"task", 41, nullptr, &watch, 1000, nullptr};
+    const Task* tasks = rows.data();
+    unsigned task_count = kCount;
+    const Watched* watched = &watched_row;
+    unsigned watched_count = 1;
+
+    ManyTasks() {
+        for (unsigned i = 0; i < kCount; ++i) {
+            counters[i] = {i, 0, 100 * i, 0, 0, 0};
+            rows[i].counters = &counters[i];
+        }
+    }
+};
+
+TEST(Answers, bring_every_task_in_as_many_answers_as_it_takes) {
+    const ManyTasks program;
+    unsigned told = 0;
+    for (unsigned first = 0; first < ManyTasks::kCount; first += kMostTasksTold) {
+        Bytes body(Link::kMostAnswer);
+        Writer out(body.data());
+        put_tasks(out, program, 77, first);
+        ASSERT_LE(out.count(), body.size());
+        for (size_t at = 10; at < out.count(); at += 28, ++told) {
+            std::array<uint32_t, 7> row{};
+            std::memcpy(row.data(), body.data() + at, sizeof row);
+            EXPECT_EQ(
+                row, (std::array<uint32_t, 7>{told, 0, 100 * told, 0, 0, 0, told == 41 ? 9U : 0U}));
+        }
+    }
+    EXPECT_EQ(told, ManyTasks::kCount);
+}
+
+TEST(Answers, say_nothing_of_tasks_that_there_are_not) {
+    const ManyTasks program;
+    for (const unsigned first : {ManyTasks::kCount, 65'535U}) {
+        Bytes body(Link::kMostAnswer);
+        Writer out(body.data());
+        put_tasks(out, program, 77, first);
+        EXPECT_EQ(out.count(), 10U);
+    }
 }
 
 }  // namespace
