@@ -97,7 +97,8 @@ def _judged(
 ) -> dict[str, object]:
     from pyulog import ULog
 
-    from stator.flight import CALM, IN_WIND, UnreadableFlight, judge, read_flight, read_truth
+    from stator.flight import CALM, IN_WIND, judge
+    from stator.flight_log import UnreadableFlight, read_flight, read_truth
     from stator.mission_flight import judge_mission
 
     if log.stat().st_size == 0:

@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stator import flight as fl
-from stator.flight import Problem
+from stator import flight_log
+from stator.flight import Problem, at_end, ending, landing_problems, place, rms
+from stator.flight_log import FAILSAFE_EVENTS, NAV_STATES, in_flight, newest
 from stator.mission import EIGHT, LAND, NAMES, RETURN, TAKEOFF, WAYPOINT, Mission
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from pyulog import ULog
 
-    from stator.flight import Flight, Floats
+    from stator.flight_log import Flight, Floats
 
     Rows = NDArray[np.bool_]
 
@@ -66,16 +67,16 @@ class MissionFlight:
         self.facts[key] = value
         row = np.flatnonzero(rows)[worst]
         time_s, position = float(flight.truth.time_s[row]), flight.truth.position[row]
-        text = f"{what} {value:.2f} m at {time_s:.2f} s, {fl.place(position)} (limit {most:g} m)"
+        text = f"{what} {value:.2f} m at {time_s:.2f} s, {place(position)} (limit {most:g} m)"
         self.problems.append(Problem(text, time_s, position))
 
 
 def judge_mission(log: ULog, flight: Flight, mission: Mission) -> MissionFlight:
     result = MissionFlight()
     limits = USUAL_LIMITS | mission.limits
-    status = fl.topic(log, "vehicle_status")
+    status = flight_log.topic(log, "vehicle_status")
     result.facts |= {"modes": _modes(status), "limits": limits}
-    progress = fl.topic(log, "mission_result")
+    progress = flight_log.topic(log, "mission_result")
     total = sum(item.kind not in (RETURN, LAND) for item in mission.items)
     reached = int(np.max(progress["seq_reached"], initial=-1)) + 1
     result.facts |= {"items_total": total, "items_reached": min(reached, total)}
@@ -85,14 +86,14 @@ def judge_mission(log: ULog, flight: Flight, mission: Mission) -> MissionFlight:
         result.problems.append(Problem(f"never armed: {_why_not(log)}"))
         return result
     if flight.take_off_s is None:
-        result.problems.append(fl.at_end(flight, f"never took off: {fl.ending(flight)}"))
+        result.problems.append(at_end(flight, f"never took off: {ending(flight)}"))
         return result
     home = _at(flight.truth.time_s, flight.truth.position, flight.status_time_s[armed[0]])
     if reached < total:
-        text = f"reached {reached} of {total} items of the mission: {fl.ending(flight)}"
-        result.problems.append(fl.at_end(flight, text))
+        text = f"reached {reached} of {total} items of the mission: {ending(flight)}"
+        result.problems.append(at_end(flight, text))
     result.problems += _failsafes(result.facts["modes"])
-    result.problems += fl.landing_problems(flight, limits["touchdown_speed"])
+    result.problems += landing_problems(flight, limits["touchdown_speed"])
     _measure(result, log, flight, mission, limits, home)
     return result
 
@@ -107,7 +108,7 @@ def _measure(
 ) -> None:
     truth = flight.truth.position - home
     setpoint = _setpoints(log, flight)
-    flown = fl.in_flight(flight, flight.truth.time_s)
+    flown = in_flight(flight, flight.truth.time_s)
     away = _distance_from_way(truth[flown, :2], _way(mission))
     most = limits.get("corridor")
     result.limit_each("corridor_m", away, most, "off the straight way", flight, flown)
@@ -119,8 +120,8 @@ def _measure(
 
     staying = _at_rest(flight, setpoint) & flown
     error = truth[staying] - setpoint[staying]
-    horizontal = fl.rms(np.linalg.norm(error[:, :2], axis=1)) if error.size else None
-    vertical = fl.rms(error[:, 2]) if error.size else None
+    horizontal = rms(np.linalg.norm(error[:, :2], axis=1)) if error.size else None
+    vertical = rms(error[:, 2]) if error.size else None
     most = limits.get("hold_horizontal_rms")
     result.limit("hold_horizontal_rms_m", horizontal, most, "while staying, horizontal RMS")
     most = limits.get("hold_vertical_rms")
@@ -142,8 +143,8 @@ def _modes(status: dict[str, NDArray[np.generic]]) -> list[dict[str, object]]:
         {
             "time_s": float(status["timestamp"][i]) * 1e-6,
             "armed": bool(rows[i, 0] == ARMED),
-            "mode": fl.NAV_STATES.get(int(rows[i, 1]), "no known mode"),
-            "failsafe": fl.FAILSAFE_EVENTS.get(int(rows[i, 2]), ""),
+            "mode": NAV_STATES.get(int(rows[i, 1]), "no known mode"),
+            "failsafe": FAILSAFE_EVENTS.get(int(rows[i, 2]), ""),
         }
         for i in (0, *changed)
     ]
@@ -161,7 +162,7 @@ def _failsafes(modes: object) -> list[Problem]:
 def _items(progress: dict[str, NDArray[np.generic]], mission: Mission) -> list[dict[str, object]]:
     """Each item that can be reached, and when it was, if it was."""
     reached = progress["seq_reached"].astype(np.int64)
-    time_s = fl.seconds(progress["timestamp"])
+    time_s = flight_log.seconds(progress["timestamp"])
     rows: list[dict[str, object]] = []
     for number, item in enumerate(mission.items):
         if item.kind in (RETURN, LAND):
@@ -175,11 +176,13 @@ def _items(progress: dict[str, NDArray[np.generic]], mission: Mission) -> list[d
 def _errors(log: ULog, flight: Flight, setpoint: Floats) -> dict[str, object]:
     """Distances in the air, RMS and worst: of the truth and of the estimate from the setpoint, and
     of the estimate from the truth."""
-    local = fl.topic(log, "vehicle_local_position")
-    estimate = fl.newest(
-        fl.seconds(local["timestamp"]), fl.columns(local, ["x", "y", "z"]), flight.truth.time_s
+    local = flight_log.topic(log, "vehicle_local_position")
+    estimate = newest(
+        flight_log.seconds(local["timestamp"]),
+        flight_log.columns(local, ["x", "y", "z"]),
+        flight.truth.time_s,
     )
-    flown = fl.in_flight(flight, flight.truth.time_s)
+    flown = in_flight(flight, flight.truth.time_s)
     pairs = {
         "truth_off_setpoint": flight.truth.position - setpoint,
         "estimate_off_setpoint": estimate - setpoint,
@@ -189,13 +192,13 @@ def _errors(log: ULog, flight: Flight, setpoint: Floats) -> dict[str, object]:
     for name, difference in pairs.items():
         known = flown & np.isfinite(difference).all(axis=1)
         length = np.linalg.norm(difference[known], axis=1)
-        facts[f"{name}_rms_m"] = fl.rms(length) if length.size else None
+        facts[f"{name}_rms_m"] = rms(length) if length.size else None
         facts[f"{name}_max_m"] = float(length.max()) if length.size else None
     return facts
 
 
 def _why_not(log: ULog) -> str:
-    health = fl.topic(log, "health_report")
+    health = flight_log.topic(log, "health_report")
     return "; ".join(text for key, text in CHECKS.items() if not health[key][-1]) or "not asked to"
 
 
@@ -206,16 +209,16 @@ def _at(times: Floats, values: Floats, at: float) -> Floats:
 
 def _setpoints(log: ULog, flight: Flight) -> Floats:
     """From home, at the times of the truth."""
-    home = fl.topic(log, "home_position")
-    place = np.column_stack([home[key] for key in ("x", "y", "z")]).astype(np.float64)
-    at_home = fl.newest(fl.seconds(home["timestamp"]), place, flight.truth.time_s)
-    return fl.newest(flight.setpoint_time_s, flight.setpoint, flight.truth.time_s) - at_home
+    home = flight_log.topic(log, "home_position")
+    position = np.column_stack([home[key] for key in ("x", "y", "z")]).astype(np.float64)
+    at_home = newest(flight_log.seconds(home["timestamp"]), position, flight.truth.time_s)
+    return newest(flight.setpoint_time_s, flight.setpoint, flight.truth.time_s) - at_home
 
 
 def _at_rest(flight: Flight, setpoint: Floats) -> NDArray[np.bool_]:
     """In mission mode with a setpoint that has not moved for a while."""
     time = flight.truth.time_s
-    nav_state = fl.newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
+    nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
     moves = np.any(np.diff(setpoint, axis=0, prepend=setpoint[:1]) != 0.0, axis=1)
     moves |= ~np.isfinite(setpoint).all(axis=1) | (nav_state != IN_MISSION)
     last = np.maximum.accumulate(np.where(moves, time, -np.inf))
@@ -247,18 +250,18 @@ def _distance_from_way(points: Floats, way: Floats) -> Floats:
 def _tracking(log: ULog, flight: Flight, mission: Mission) -> float | None:
     """RMS of estimate against setpoint, horizontally, while the mission moves: in its eights alone,
     if it has any."""
-    progress = fl.topic(log, "mission_result")
-    position = fl.topic(log, "vehicle_local_position")
-    time = fl.seconds(position["timestamp"])
+    progress = flight_log.topic(log, "mission_result")
+    position = flight_log.topic(log, "vehicle_local_position")
+    time = flight_log.seconds(position["timestamp"])
     estimate = np.column_stack([position["x"], position["y"]]).astype(np.float64)
-    setpoint = fl.newest(flight.setpoint_time_s, flight.setpoint, time)[:, :2]
-    item = fl.newest(
-        fl.seconds(progress["timestamp"]), progress["seq_current"].astype(np.float64), time
+    setpoint = newest(flight.setpoint_time_s, flight.setpoint, time)[:, :2]
+    item = newest(
+        flight_log.seconds(progress["timestamp"]), progress["seq_current"].astype(np.float64), time
     )
-    nav_state = fl.newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
+    nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
     eights = [i for i, m in enumerate(mission.items) if m.kind == EIGHT]
     counted = eights or [i for i, m in enumerate(mission.items) if m.kind != TAKEOFF]
-    rows = fl.in_flight(flight, time) & (nav_state == IN_MISSION) & np.isin(item, counted)
+    rows = in_flight(flight, time) & (nav_state == IN_MISSION) & np.isin(item, counted)
     rows &= np.isfinite(setpoint).all(axis=1)
     error = np.linalg.norm(estimate[rows] - setpoint[rows], axis=1)
-    return fl.rms(error) if error.size else None
+    return rms(error) if error.size else None

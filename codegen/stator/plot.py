@@ -1,40 +1,25 @@
-"""What `./stator plot` does: one picture of a flight, from its log and, where there is one, from
-the record of the true flight beside it."""
+"""What `./stator plot` does: one picture of a flight."""
 
 from __future__ import annotations
 
 import argparse
-import json
-from dataclasses import dataclass
-from itertools import pairwise
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stator.cli import path
 from stator.diagnostics import UserError, shown_path
-from stator.flight import (
-    NAV_STATES,
-    Floats,
-    Truth,
-    UnreadableFlight,
-    columns,
-    indexed,
-    read_truth,
-    seconds,
-    topic,
-)
+from stator.flown import Flown, Series, read
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from pathlib import Path
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from pyulog import ULog
+
+    from stator.flight_log import Floats
 
 FORMATS = (".png", ".svg", ".pdf")
-ROTORS = 4
 LEAST_MAP_M = 2.0
 HALF_TURN_DEG = 180.0
 # Colour-blind safe (Okabe and Ito), one a meaning throughout.
@@ -43,28 +28,6 @@ TRUTH, ESTIMATE, SETPOINT, FAILED = "#b0b0b0", "#0072b2", "#e69f00", "#d55e00"
 TRUTH_WIDTH = 2.6
 LINES = ("#0072b2", "#e69f00", "#009e73", "#cc79a7")
 BANDS = ("#f0f0f0", "#dcebf5", "#e5f3e6", "#fdf1d8", "#f3e3ee", "#e8e8f8")
-
-
-@dataclass(frozen=True)
-class Series:
-    """One quantity over time; a column each."""
-
-    time_s: Floats
-    values: Floats
-
-
-@dataclass(frozen=True)
-class Flown:
-    """What the picture shows; None or empty for what the log does not have. Frame N, m, rad."""
-
-    title: str
-    truth: Truth | None
-    position: Series | None
-    setpoint: Series | None
-    attitude: Series | None  # q_NB
-    motors: Series | None
-    modes: list[tuple[float, float, str]]  # from, to, name
-    facts: dict[str, Any]  # what the flight's report said
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -99,81 +62,6 @@ def draw(log: Path, output: Path) -> None:
         figure.savefig(output, metadata=metadata if output.suffix != ".pdf" else None)
     except OSError as error:
         raise UserError(f"error: cannot write '{output}': {error.strerror}") from None
-
-
-# --- reading ---
-
-
-def read(file: Path) -> Flown:
-    from pyulog import ULog
-
-    try:
-        log = ULog(str(file))
-    except OSError as error:
-        raise UserError(
-            f"error: cannot read '{file}': {error.strerror}\n"
-            "hint: ./stator fly writes a log, and says where"
-        ) from None
-    except Exception as error:  # whatever a broken file makes of the reader
-        raise UserError(f"error: '{file}' is no ULog file that can be read: {error}") from None
-    flown = Flown(
-        title=str(log.msg_info_dict.get("graph", file.stem)),
-        truth=_truth(file),
-        position=_series(log, "vehicle_local_position", ["x", "y", "z"]),
-        setpoint=_series(log, "trajectory_setpoint", indexed("position", 3)),
-        attitude=_series(log, "vehicle_attitude", indexed("q", 4)),
-        motors=_series(log, "actuator_motors", indexed("control", ROTORS)),
-        modes=list(_modes(log)),
-        facts=_facts(file),
-    )
-    if flown.position is None and flown.truth is None:
-        raise UserError(
-            f"error: '{file}' has no topic vehicle_local_position, so there is no path to draw\n"
-            "hint: does the graph log it? ./stator explain GRAPH vehicle_local_position"
-        )
-    return flown
-
-
-def _truth(file: Path) -> Truth | None:
-    truth = file.with_suffix(".truth")
-    try:
-        return read_truth(truth) if truth.is_file() else None
-    except UnreadableFlight as unreadable:
-        raise UserError(f"error: {unreadable}\nhint: remove it to draw the log alone") from None
-
-
-def _facts(file: Path) -> dict[str, Any]:
-    """The report that `fly` keeps beside the log."""
-    report = file.with_suffix(".json")
-    if not report.is_file():
-        return {}
-    facts: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
-    return facts
-
-
-def _series(log: ULog, name: str, names: list[str]) -> Series | None:
-    try:
-        data = topic(log, name)
-    except UnreadableFlight:
-        return None
-    return Series(seconds(data["timestamp"]), columns(data, names))
-
-
-def _modes(log: ULog) -> Iterator[tuple[float, float, str]]:
-    try:
-        status = topic(log, "vehicle_status")
-    except UnreadableFlight:
-        return
-    time_s = seconds(status["timestamp"])
-    state = status["nav_state"].astype(int)
-    edges = [0, *(np.flatnonzero(np.diff(state)) + 1), state.size]
-    for begin, end in pairwise(edges):
-        until = time_s[end] if end < state.size else time_s[-1]
-        number = int(state[begin])
-        yield float(time_s[begin]), float(until), NAV_STATES.get(number, f"mode {number}")
-
-
-# --- drawing ---
 
 
 def _figure(flown: Flown) -> Figure:

@@ -17,7 +17,7 @@ from pyulog import ULog
 
 from stator.build import build
 from stator.cli import main
-from stator.flight import read_truth
+from stator.flight_log import read_truth
 from stator.library import HOME
 
 QUAD = HOME / "graph" / "quad.yaml"

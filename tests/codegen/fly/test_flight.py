@@ -8,14 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stator.flight import (
-    IN_WIND,
+from stator.flight import IN_WIND, Judgement, judge
+from stator.flight_log import (
     Flight,
     Floats,
-    Judgement,
     Truth,
     UnreadableFlight,
-    judge,
     read_flight,
     read_truth,
     read_truth_columns,

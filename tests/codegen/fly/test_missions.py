@@ -15,7 +15,7 @@ import pytest
 from pyulog import ULog
 
 from stator.build import build
-from stator.flight import read_flight, read_truth
+from stator.flight_log import read_flight, read_truth
 from stator.mission import packed, read_mission
 from stator.mission_flight import MissionFlight, judge_mission
 

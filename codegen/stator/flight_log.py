@@ -1,0 +1,148 @@
+"""What a flight left behind: its log, and what truly happened. Judges and pictures read it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from pyulog import ULog
+
+Floats: TypeAlias = NDArray[np.float64]
+
+# graph/messages/VehicleStatus.yaml
+DISARMED = 1
+HOLD = 4
+NAV_STATES = {
+    0: "manual", 1: "altitude", 2: "position", 3: "mission", HOLD: "hold", 5: "return",
+    12: "descend", 13: "termination", 15: "stabilized", 17: "take-off", 18: "landing",
+}  # fmt: skip
+FAILSAFE_EVENTS = {
+    1: "estimator_invalid", 2: "position_lost", 3: "geofence", 4: "battery_critical", 5: "rc_lost",
+    6: "mission_lost", 7: "battery_low",
+}  # fmt: skip
+
+
+class UnreadableFlight(Exception):
+    """The log or the truth lacks what a judgement needs."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    time_s: Floats
+    position: Floats  # N, m; one row each
+    q: Floats  # q_NB, w x y z
+    on_ground: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Flight:
+    """What a judgement reads. Times in seconds; positions and setpoints in N."""
+
+    truth: Truth
+    attitude_time_s: Floats
+    attitude_q: Floats
+    setpoint_time_s: Floats
+    setpoint: Floats  # not a number: free
+    status_time_s: Floats
+    nav_state: NDArray[np.int64]
+    arming_state: NDArray[np.int64]
+    # From the program that flew, which sees the truth each millisecond.
+    landed: bool
+    take_off_s: float | None
+    touchdown_s: float | None
+    touchdown_m_s: float | None
+
+
+def read_truth(path: Path) -> Truth:
+    columns = read_truth_columns(path)
+    try:
+        return Truth(
+            time_s=columns["time_us"] * 1e-6,
+            position=np.column_stack([columns[f"position_{axis}"] for axis in "ned"]),
+            q=np.column_stack([columns[f"q_{axis}"] for axis in "wxyz"]),
+            on_ground=columns["on_ground"] != 0.0,
+        )
+    except KeyError as missing:
+        raise UnreadableFlight(f"the true flight '{path}' has no column {missing}") from None
+
+
+def read_truth_columns(path: Path) -> dict[str, Floats]:
+    """All that truly happened, by name: boards/sitl/truth.hpp."""
+    head, _, rows = path.read_bytes().partition(b"\n")
+    names = head.decode("ascii", errors="replace").split()
+    if not names or not rows or len(rows) % (8 * len(names)) != 0:
+        raise UnreadableFlight(f"'{path}' is no record of a true flight")
+    table = np.frombuffer(rows, dtype="<f8").reshape(-1, len(names))
+    return dict(zip(names, table.T, strict=True))
+
+
+def read_flight(log: ULog, truth: Truth, run: dict[str, object]) -> Flight:
+    """`run` is what the program that flew has printed."""
+    attitude = topic(log, "vehicle_attitude")
+    setpoint = topic(log, "trajectory_setpoint")
+    status = topic(log, "vehicle_status")
+    return Flight(
+        truth=truth,
+        attitude_time_s=seconds(attitude["timestamp_sample"]),
+        attitude_q=columns(attitude, indexed("q", 4)),
+        setpoint_time_s=seconds(setpoint["timestamp"]),
+        setpoint=columns(setpoint, indexed("position", 3)),
+        status_time_s=seconds(status["timestamp"]),
+        nav_state=status["nav_state"].astype(np.int64),
+        arming_state=status["arming_state"].astype(np.int64),
+        landed=run.get("ended") == "motors_stopped",
+        take_off_s=_number(run, "take_off_s"),
+        touchdown_s=_number(run, "touchdown_s"),
+        touchdown_m_s=_number(run, "touchdown_m_s"),
+    )
+
+
+# --- parts ---
+
+
+def topic(log: ULog, name: str) -> dict[str, NDArray[np.generic]]:
+    for dataset in log.data_list:
+        if dataset.name == name and dataset.multi_id == 0:
+            data: dict[str, NDArray[np.generic]] = dataset.data
+            return data
+    raise UnreadableFlight(f"the log has no topic {name}, so the flight cannot be judged")
+
+
+def seconds(time_us: NDArray[np.generic]) -> Floats:
+    return time_us.astype(np.float64) * 1e-6
+
+
+def indexed(name: str, count: int) -> list[str]:
+    """What pyulog calls the elements of an array."""
+    return [f"{name}[{i}]" for i in range(count)]
+
+
+def columns(data: dict[str, NDArray[np.generic]], names: list[str]) -> Floats:
+    return np.column_stack([data[name] for name in names]).astype(np.float64)
+
+
+def _number(run: dict[str, object], key: str) -> float | None:
+    value = run.get(key)
+    return float(value) if isinstance(value, int | float) else None
+
+
+def newest(times: Floats, values: Floats, at: Floats) -> Floats:
+    """The newest of `values` at each time `at`; not a number before the first."""
+    index = np.searchsorted(times, at, side="right") - 1
+    found = np.full((at.size, *values.shape[1:]), np.nan)
+    found[index >= 0] = values[index[index >= 0]]
+    return found
+
+
+def in_flight(flight: Flight, time_s: Floats) -> NDArray[np.bool_]:
+    begin = math.inf if flight.take_off_s is None else flight.take_off_s
+    end = math.inf if flight.touchdown_s is None else flight.touchdown_s
+    rows: NDArray[np.bool_] = (time_s >= begin) & (time_s < end)
+    return rows
