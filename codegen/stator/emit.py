@@ -156,7 +156,7 @@ def write(files: dict[str, str], folder: Path) -> int:
         return _write(files, folder)
     except OSError as error:
         raise UserError(
-            f"error: cannot write '{error.filename}': {error.strerror}\n"
+            f"error: cannot write '{error.filename or folder}': {error.strerror}\n"
             "hint: name a folder that is new, empty, or an earlier output"
         ) from error
 
@@ -169,6 +169,8 @@ def _write(files: dict[str, str], folder: Path) -> int:
             "hint: name a folder that is new or empty"
         )
     old = manifest.read_bytes().decode(errors="replace").split("\n") if manifest.is_file() else []
+    # What a run leaves that could not write all is an earlier output, too.
+    _write_if_changed(manifest, "\n".join(dict.fromkeys([*files, *filter(None, old)])) + "\n")
     changed = 0
     for name in old:
         stale = folder / name

@@ -121,6 +121,6 @@ def _write(files: Mapping[Path, str]) -> None:
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, encoding="utf-8")
     except OSError as error:
-        for file in files:
-            file.unlink(missing_ok=True)
-        raise UserError(f"error: cannot write '{error.filename}': {error.strerror}") from None
+        for written in files:
+            written.unlink(missing_ok=True)
+        raise UserError(f"error: cannot write '{shown_path(file)}': {error.strerror}") from None

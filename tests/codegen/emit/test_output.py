@@ -1,5 +1,7 @@
 """`gen` owns its output folder and nothing else."""
 
+import errno
+import os
 from pathlib import Path
 
 import pytest
@@ -43,6 +45,24 @@ def test_a_file_in_the_way_gives_an_error_with_a_hint(
     (tmp_path / "out").write_text("mine")
     assert gen(tmp_path / "out") == 2
     assert "hint:" in capsys.readouterr().err
+
+
+def test_a_full_disk_is_named_and_the_next_run_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_bytes = Path.write_bytes
+
+    def until_full(path: Path, data: bytes) -> int:
+        if path.suffix == ".hpp":
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return write_bytes(path, data)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_bytes", until_full)
+        assert gen(tmp_path / "out") == 2
+    error = capsys.readouterr().err
+    assert f"cannot write '{tmp_path / 'out'}': No space left on device" in error
+    assert gen(tmp_path / "out") == 0
 
 
 def test_an_empty_name_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
