@@ -1,5 +1,5 @@
-// Reads the streams of a recording: where each activation begins, and room for every sample that was
-// published.
+// Reads the streams of a recording: where each activation begins, and room for every sample that
+// was published.
 #include <cstring>
 #include <string_view>
 
