@@ -43,6 +43,7 @@ bool take_can1(uint32_t interrupts) {
 }  // namespace
 
 CanBxcan::Device can1{.base = kCan1, .clock_hz = stm32f4::kApb1Clock_hz, .bit_rate = 1'000'000};
+SystemBoard::Device system0{.restart = restart};
 
 // Low: no pulse. A speed controller that sees none stops its motor.
 void make_safe() {

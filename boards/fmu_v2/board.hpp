@@ -2,9 +2,11 @@
 #pragma once
 
 #include "can_bxcan.hpp"
+#include "system_board.hpp"
 
 namespace stator::board {
 
 extern CanBxcan::Device can1;
+extern SystemBoard::Device system0;
 
 }  // namespace stator::board

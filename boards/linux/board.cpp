@@ -21,6 +21,7 @@ Line can1_received;
 Line can1_sent;
 Line can1_changed;
 NonvolatileFile::Device nonvolatile0;
+SystemBoard::Device system0{.restart = stop};
 StorageFile::Device log_storage;
 
 }  // namespace stator::board

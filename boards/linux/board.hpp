@@ -13,6 +13,7 @@
 #include "radio_sim.hpp"
 #include "stator/pthread.hpp"
 #include "storage_file.hpp"
+#include "system_board.hpp"
 
 namespace stator::board {
 
@@ -34,6 +35,7 @@ extern Line can1_received;
 extern Line can1_sent;     // never raised: the driver tries again with its timer
 extern Line can1_changed;  // never raised: that is received, too
 extern NonvolatileFile::Device nonvolatile0;
+extern SystemBoard::Device system0;  // a restart ends the process
 extern StorageFile::Device log_storage;
 
 }  // namespace stator::board

@@ -3,8 +3,8 @@
 //
 // Exit status: 0 the run ended, whatever became of the vehicle; 1 a file could not be written
 // whole, or the graph did not come to rest or has a task that does not end; 2 a wrong argument, a
-// file that cannot be opened, or a machine without the threads; 128 + its number: a signal ended
-// the run.
+// file that cannot be opened, or a machine without the threads; 3 the run ended in order because
+// somebody who may asked for a restart: start it again; 128 + its number: a signal ended the run.
 #include <unistd.h>
 
 #include <cerrno>
@@ -21,6 +21,8 @@
 namespace {
 
 using namespace stator;
+
+constexpr int kRestart = 3;  // as codegen/stator/run.py has it
 
 board::RealWorld* the_world = nullptr;
 
@@ -154,7 +156,7 @@ void print(const board::RealWorld& world, double wall_s) {
     board::print_nonvolatile();
     print_levels(wall_s);
     std::printf(", ");
-    board::print_flight_facts(world.world(), wall_s);
+    board::print_flight_facts(world.world(), wall_s, board::system0.restarts);
     std::puts("}");
 }
 
@@ -195,5 +197,6 @@ int main(int count, char** arguments) {
         close(options.log, board::log_storage.file, board::log_storage.errors == 0);
     const bool truth_written = close(options.truth, truth, world.truth_is_whole());
     if (ending == Ending::kSignal) return 128 + ending_signal();
-    return came_to_rest && log_written && truth_written ? 0 : 1;
+    if (!came_to_rest || !log_written || !truth_written) return 1;
+    return board::system0.restarts ? kRestart : 0;
 }

@@ -33,13 +33,19 @@ bool has_head(int file) {
            std::string_view(bytes.data(), bytes.size()) == kHead;
 }
 
+// A damaged beginning of a file of the right length costs nothing: each record has a checksum.
+bool is_foreign(int file, const struct stat& facts) {
+    const bool is_length = facts.st_size == 0 || facts.st_size == NonvolatileFile::kFileBytes;
+    return !S_ISREG(facts.st_mode) || (!is_length && !has_head(file));
+}
+
 // One that is too short has lost its end, which then reads as zeros: as slots without a record.
 bool make_whole(int file, const struct stat& facts) {
     if (facts.st_size < NonvolatileFile::kFileBytes &&
         ftruncate(file, NonvolatileFile::kFileBytes) != 0) {
         return false;
     }
-    return facts.st_size != 0 ||
+    return has_head(file) ||
            pwrite(file, kHead.data(), kHead.size(), 0) == static_cast<ssize_t>(kHead.size());
 }
 
@@ -55,8 +61,8 @@ bool open_nonvolatile(const char* path) {
     if (flock(file, LOCK_EX | LOCK_NB) != 0) {
         return refuse(path, "another run has it", "end that one, or name another file");
     }
-    if (!S_ISREG(facts.st_mode) || (facts.st_size != 0 && !has_head(file))) {
-        return refuse(path, "it is no file of records, or its beginning is damaged",
+    if (is_foreign(file, facts)) {
+        return refuse(path, "it is no file of records",
                       "name another file, or move this one away, to begin with an empty one");
     }
     if (!make_whole(file, facts)) {

@@ -11,6 +11,7 @@
 #include "nonvolatile_sim.hpp"
 #include "radio_sim.hpp"
 #include "storage_sim.hpp"
+#include "system_board.hpp"
 
 namespace stator::board {
 
@@ -23,6 +24,7 @@ extern GnssSim::Device gnss0;
 extern RadioSim::Device radio0;
 extern BatterySim::Device battery0;
 extern NonvolatileSim::Device nonvolatile0;
+extern SystemBoard::Device system0;
 extern StorageSim::Device log_storage;
 
 }  // namespace stator::board

@@ -12,14 +12,15 @@ inline constexpr char kToPlant[] = "to_plant";
 inline constexpr char kFromPlant[] = "from_plant";
 inline constexpr char kLog[] = "flight.ulg";
 inline constexpr char kNonvolatile[] = "nonvolatile";
-// As a word for the firmware: start again after a fault, instead of ending the emulation.
+// As a word for the firmware: start again after a fault or when asked to, instead of ending the
+// emulation.
 inline constexpr char kRestart[] = "restart";
 
 struct ToPlant {
     enum class Kind : uint64_t {
         kStep = 1,      // move the world up to time_us, and answer
         kCommand = 2,   // the motors do this from time_us on
-        kFinished = 3,  // the firmware has ended the flight that the plant declared over
+        kFinished = 3,  // the firmware has ended the flight, that the plant declared over as a rule
     };
     Kind kind = Kind::kStep;
     uint64_t time_us = 0;
@@ -30,8 +31,9 @@ struct ToPlant {
     uint64_t preemptions = 0;
     uint64_t unrecorded_activations = 0;
     uint64_t missed_life_signs = 0;
+    uint64_t restarts = 0;  // 1: somebody asked for a restart, which ended the flight
 };
-static_assert(sizeof(ToPlant) == 80);
+static_assert(sizeof(ToPlant) == 88);
 
 // What the sensors saw since the step before; of each, the newest sample.
 struct FromPlant {

@@ -60,7 +60,13 @@ bool was_told(const char* word_to_find) {
     std::array<char, 256> text{};
     std::array<uint32_t, 2> block{word(text.data()), text.size()};
     if (call(kCommandLine, block.data()) != 0) return false;
-    return std::strstr(text.data(), word_to_find) != nullptr;
+    const size_t length = std::strlen(word_to_find);
+    const char* found = std::strstr(text.data(), word_to_find);
+    for (; found != nullptr; found = std::strstr(found + 1, word_to_find)) {
+        const bool begins = found == text.data() || found[-1] == ' ';
+        if (begins && (found[length] == ' ' || found[length] == '\0')) return true;
+    }
+    return false;
 }
 
 void print(const char* text) {

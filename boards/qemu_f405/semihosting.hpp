@@ -24,7 +24,8 @@ class File {
     int32_t handle_ = -1;
 };
 
-// True if the word stands on the command line that the host gives the firmware.
+// True if the word stands on the command line that the host gives the firmware, between blanks: the
+// line begins with the image's path.
 bool was_told(const char* word);
 
 // On the emulator's console.

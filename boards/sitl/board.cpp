@@ -30,6 +30,7 @@ Line can1_sent;
 Line can1_changed;
 MissionSim::Device mission0;
 NonvolatileSim::Device nonvolatile0;
+SystemBoard::Device system0{.restart = stop};
 StorageFile::Device log_storage;
 
 namespace {

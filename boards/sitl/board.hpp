@@ -17,6 +17,7 @@
 #include "radio_sim.hpp"
 #include "stator/virtual.hpp"
 #include "storage_file.hpp"
+#include "system_board.hpp"
 #include "world.hpp"
 
 namespace stator::board {
@@ -40,6 +41,7 @@ extern Line can1_sent;
 extern Line can1_changed;
 extern MissionSim::Device mission0;
 extern NonvolatileSim::Device nonvolatile0;  // empty at each start
+extern SystemBoard::Device system0;          // a restart ends the flight
 extern StorageFile::Device log_storage;
 
 // Before the graph starts: makes the world. It lies where the mission has its origin, if that has a

@@ -11,12 +11,16 @@ double seconds(std::uint64_t time_us) {
     return static_cast<double>(time_us) * 1e-6;
 }
 
+const char* ending(const World& world, bool restarts) {
+    if (restarts) return "restart";
+    return world.is_over() ? "motors_stopped" : "time_limit";
+}
+
 }  // namespace
 
-void print_flight_facts(const World& world, double wall_s) {
+void print_flight_facts(const World& world, double wall_s, bool restarts) {
     std::printf("\"ended\": \"%s\", \"simulated_s\": %.6f, \"wall_s\": %.6f",
-                world.is_over() ? "motors_stopped" : "time_limit", seconds(world.plant().time_us()),
-                wall_s);
+                ending(world, restarts), seconds(world.plant().time_us()), wall_s);
     if (const auto take_off_us = world.watch().take_off_us()) {
         std::printf(", \"take_off_s\": %.6f", seconds(*take_off_us));
     }

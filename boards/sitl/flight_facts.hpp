@@ -6,7 +6,7 @@
 namespace stator::board {
 
 // Prints `"ended": ..., "simulated_s": ...` and so on: members of an object that the caller opens
-// and closes.
-void print_flight_facts(const World& world, double wall_s);
+// and closes. `restarts`: that was the end of it.
+void print_flight_facts(const World& world, double wall_s, bool restarts);
 
 }  // namespace stator::board

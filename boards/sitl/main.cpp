@@ -52,7 +52,8 @@ struct Run {
 void run_paced(const board::Options& options) {
     constexpr std::uint64_t kSlice_us = 10'000;
     const auto begin = std::chrono::steady_clock::now();
-    for (std::uint64_t now_us = 0; now_us < options.duration_us && !board::world().is_over();) {
+    const auto is_over = [] { return board::world().is_over() || board::system0.restarts; };
+    for (std::uint64_t now_us = 0; now_us < options.duration_us && !is_over();) {
         now_us = std::min(now_us + kSlice_us, options.duration_us);
         run_until(now_us);
         const std::chrono::duration<double> due(static_cast<double>(now_us) * 1e-6 / options.speed);
@@ -107,7 +108,7 @@ void print(const Run& run) {
                 static_cast<unsigned long long>(run.recording.lost));
     std::printf("\"missed_life_signs\": %llu, ", static_cast<unsigned long long>(missed_life_signs(
                                                      program.watched, program.watched_count)));
-    board::print_flight_facts(board::world(), run.wall_s);
+    board::print_flight_facts(board::world(), run.wall_s, board::system0.restarts);
     std::puts("}");
 }
 

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from stator.mission import Mission
 
 
+RESTART = "a restart that somebody who may asked for"
+
+
 def keep(facts: dict[str, object]) -> None:
     """The report, beside the log: `./stator plot` draws with it."""
     log = Path(str(facts["log"]))
@@ -78,12 +81,16 @@ def facts_of(
     facts |= {key: value for key, value in run.items() if key in facts}
     if not is_recorded:
         facts |= {"preemptions": None, "unrecorded_activations": None}
+    restarts = run["ended"] == "restart"
     if not judges:
-        return facts | {"success": True, "reason": "ran to its end"}
+        reason = f"ended by {RESTART}" if restarts else "ran to its end"
+        return facts | {"success": True, "reason": reason}
     facts |= _judged(log, truth, run, mission, in_wind=in_wind)
     if not facts["success"] and run.get("ended") == "time_limit":
         cut = f"ended by --duration {most_s:g} s before the flight was over"
         facts["reason"] = f"{cut}; {facts['reason']}"
+    if restarts:
+        facts["reason"] = f"ended by {RESTART} at {run['simulated_s']:.2f} s; {facts['reason']}"
     return facts
 
 

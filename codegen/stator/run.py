@@ -30,8 +30,11 @@ from stator.nonvolatile import add_nonvolatile_argument, nonvolatile_of, nonvola
 from stator.progress import progress
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import FrameType
 
+RESTART = 3  # of the program: boards/linux/main.cpp
+LEAST_LIFE_S = 0.1
 SIGNALLED = 128  # and the number of the signal
 MOST_CPUS = 64
 OWN_FACTS = (
@@ -98,8 +101,13 @@ def main(arguments: argparse.Namespace) -> int:
     if not arguments.json:
         _tell_link(link, chosen=arguments.link is not None)
     name = f"running {arguments.graph.stem} for {arguments.duration:g} s at most; Ctrl-C ends it"
+
+    def run(duration_s: float) -> subprocess.CompletedProcess[str]:
+        life = argparse.Namespace(**(vars(arguments) | {"duration": duration_s}))
+        return _run(program, log, truth, memory, link, life)
+
     with progress(name, truth, arguments.duration):
-        finished = _run(program, log, truth, memory, link, arguments)
+        finished, earlier = _lives(run, log, arguments.duration)
     if finished.returncode == NOT_DONE:
         raise UserError(finished.stderr.rstrip())
     facts = _facts(
@@ -111,6 +119,7 @@ def main(arguments: argparse.Namespace) -> int:
         is_recorded=is_recorded(arguments),
         in_wind=is_windy(arguments),
     )
+    facts["logs_before_restart"] = [str(path.resolve()) for path in earlier]
     facts["nonvolatile"] = told_of(memory, facts.get("nonvolatile"))
     facts |= rates_of(arguments)
     facts["link"] = None if link is None else str(link)
@@ -118,8 +127,8 @@ def main(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps(facts, indent=2))
     else:
-        rows = [*flight_rows(facts), *_run_rows(facts), *nonvolatile_rows(facts), log_row(facts)]
-        show(facts, rows)
+        rows = [*flight_rows(facts), *_run_rows(facts), *nonvolatile_rows(facts)]
+        show(facts, [*rows, *_restart_rows(earlier), log_row(facts)])
     if finished.returncode > SIGNALLED:
         return finished.returncode
     return 0 if facts["success"] else ANSWER_IS_NO
@@ -150,6 +159,24 @@ def _flies(arguments: argparse.Namespace) -> bool:
         raise UserError(f"error: {arguments.graph.stem} has no device can1\nhint: leave out --can")
     has_motors = any(task.node.device == "motors" for task in tasks)
     return is_judged(arguments) and (has_motors or not arguments.no_can_parts)
+
+
+def _lives(
+    run: Callable[[float], subprocess.CompletedProcess[str]], log: Path, duration_s: float
+) -> tuple[subprocess.CompletedProcess[str], list[Path]]:
+    """Runs the program, and again each time that it ends because somebody asked for a restart, for
+    the duration in all. The last life, and the logs of those before, which get a number."""
+    earlier: list[Path] = []
+    left_s = duration_s
+    while True:
+        finished = run(left_s)
+        if finished.returncode != RESTART:
+            return finished, earlier
+        left_s -= json.loads(finished.stdout)["simulated_s"]
+        if left_s < LEAST_LIFE_S:
+            return finished, earlier
+        kept = log.with_name(f"{log.name.removesuffix('.ulg')}.{len(earlier) + 1}.ulg")
+        earlier.append(log.rename(kept))
 
 
 def _run(
@@ -214,12 +241,17 @@ def _facts(
     if finished.returncode > SIGNALLED:
         name = signal.Signals(finished.returncode - SIGNALLED).name
         facts |= {"success": False, "reason": f"{name} after {run['wall_s']:.1f} s"}
-    elif finished.returncode != 0:
+    elif finished.returncode not in (0, RESTART):
         facts |= {"success": False, "reason": finished.stderr.strip()}
     return facts
 
 
 # --- for people ---
+
+
+def _restart_rows(earlier: list[Path]) -> list[tuple[str, str]]:
+    text = "as somebody who may asked for it; the log until then is"
+    return [("restarted", f"{text} {shown_path(log)}") for log in earlier]
 
 
 def _run_rows(facts: dict[str, Any]) -> list[tuple[str, str]]:

@@ -1,5 +1,6 @@
-// The end of a run: faults, vectors that nobody uses, the watchdog, and what cannot happen. All
-// leave a record, put the motors into their defined state, and reset.
+// The end of a run: faults, vectors that nobody uses, the watchdog, what cannot happen, and a
+// restart that somebody asked for. All put the motors into their defined state and reset, and all
+// but the last leave a record.
 #include <cstddef>
 #include <cstring>
 
@@ -61,6 +62,11 @@ void add_registers(FaultRecord& record, const uint32_t* frame) {
 void end_run(FaultRecord& record) {
     add_run(record);
     seal(stator_kept_record);
+    board::make_safe();
+    reset();
+}
+
+void restart() {
     board::make_safe();
     reset();
 }

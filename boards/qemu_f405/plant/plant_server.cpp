@@ -173,7 +173,7 @@ void print(const Server& server, double wall_s) {
                 wide(server.finished().preemptions),
                 wide(server.finished().unrecorded_activations));
     std::printf("\"missed_life_signs\": %llu, ", wide(server.finished().missed_life_signs));
-    board::print_flight_facts(server.world(), wall_s);
+    board::print_flight_facts(server.world(), wall_s, server.finished().restarts != 0);
     std::puts("}");
 }
 

@@ -82,6 +82,10 @@ inline bool is_busy(const Pend& pend) {
     return (bits & pend.mask) != 0;
 }
 
+// Makes the motors safe and resets; nothing is told of it by the next start. For a vehicle that is
+// disarmed. Any task.
+[[noreturn]] void restart();
+
 // What a board supplies.
 namespace board {
 void prepare();  // before the graph: clocks, the 32-bit timer, devices

@@ -318,14 +318,15 @@ struct NodeTest : ::testing::Test {
                 .params = Input(params, is_first)};
             is_first = false;
             stator::testing::Probe sent(ports.frames, now_us);
-            stator::testing::Probe restart(ports.restart, now_us);
+            std::optional<stator::testing::Probe<RestartRequest>> restart;
+            if (can_restart) restart.emplace(ports.restart, now_us);
             std::optional<stator::testing::Probe<StoredRecord>> store;
             if (has_memory) store.emplace(ports.store, now_us);
             node.step(ports);
             ++next_record;
             if (store && store->count() != 0) kept = store->newest();
             sent_count += sent.count();
-            restarts += restart.count();
+            if (restart) restarts += restart->count();
             if (sent.count() != 0) newest = sent.newest();
         }
     }
@@ -340,6 +341,7 @@ struct NodeTest : ::testing::Test {
                               .last_given = 125};
     bool armed = false;
     bool has_memory = false;
+    bool can_restart = true;
     NonvolatileStatus memory{.state = NonvolatileStatus::State::kLoading};
     std::vector<StoredRecord> stored;  // one in each activation
     std::size_t next_record = 0;
@@ -368,6 +370,14 @@ TEST_F(NodeTest, a_long_answer_goes_out_four_frames_at_a_time) {
     run({}, 10);
     // 7 + 15 + 19 bytes of status and versions, 18 of the name, 2 of the checksum: 9 frames.
     EXPECT_EQ(sent_count, 1U + 9U);
+}
+
+TEST_F(NodeTest, a_restart_that_nobody_is_there_to_do_is_refused) {
+    can_restart = false;
+    using Restart = dronecan::protocol::RestartNode;
+    run(frames_of(Restart::Request{.magic_number = Restart::Request::kMagicNumber}, 127, now_us),
+        1);
+    EXPECT_FALSE(decoded<Restart::Response>(newest).ok);
 }
 
 TEST_F(NodeTest, restarts_for_the_tool_and_disarmed_only) {

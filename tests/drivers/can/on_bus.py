@@ -7,6 +7,7 @@ The program under test is named by STATOR_LINK; its graph is graphs/link.yaml.
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import signal
 import socket
@@ -34,6 +35,7 @@ PROGRAM = os.environ["STATOR_LINK"]
 BUS = "vcan0"
 OUR_ID = 10
 TOOL = 127
+RESTART = 3  # the program's status: boards/linux/main.cpp
 PATIENCE_S = 30.0  # for what must happen some time
 RAW_COMMAND = 0x0404060A  # priority 4, type 1030, from node 10
 NODE_STATUS = 0x1001550A  # priority 16, type 341
@@ -317,11 +319,23 @@ def test_parameters_are_listed_read_and_written(link: Link, peer: Any) -> None:
     link.stop()
 
 
-def test_a_restart_that_nobody_is_there_to_do_is_refused(link: Link, peer: Any) -> None:
+def test_a_restart_is_answered_and_then_done(link: Link, peer: Any) -> None:
     request = uavcan.protocol.RestartNode.Request()
-    request.magic_number = request.MAGIC_NUMBER
+    stranger = Node(Driver(), node_id=99)
+    try:
+        request.magic_number = request.MAGIC_NUMBER
+        assert not ask(stranger, request).ok
+    finally:
+        stranger.close()
+    request.magic_number = 1
     assert not ask(peer, request).ok
-    link.stop()
+    request.magic_number = request.MAGIC_NUMBER
+    assert ask(peer, request).ok
+    output, errors = link.process.communicate(timeout=PATIENCE_S)
+    assert link.process.returncode == RESTART, errors
+    assert json.loads(output)["ended"] == "restart"
+    asked = newest(ULog(str(link.log)), "restart_request")
+    assert asked["source"] == TOOL
 
 
 # --- motor controllers and a receiver ---
