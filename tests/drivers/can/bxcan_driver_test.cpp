@@ -51,6 +51,16 @@ struct BxcanDriver : ::testing::Test {
     uint64_t now_us = 1'000'000;
 };
 
+TEST_F(BxcanDriver, each_activation_ends_with_open_lines) {
+    model.receive(testing::message(0x100));
+    ASSERT_TRUE(model.raises_received(0));
+    EXPECT_TRUE(bxcan::take_line(BxcanWire{&model}, bxcan::kFifoNotEmpty));
+    step();
+    EXPECT_FALSE(model.raises_received(0)) << "it was read";
+    model.receive(testing::message(0x100));
+    EXPECT_TRUE(model.raises_received(0));
+}
+
 TEST_F(BxcanDriver, urgent_frames_go_first_whatever_fills_the_mailboxes) {
     // Another node keeps the bus busy: nothing of ours goes out meanwhile.
     for (uint8_t i = 0; i < 4; ++i) send(1000, i);

@@ -141,6 +141,7 @@ class BxcanModel {
         sending_ = kNone;
     }
     void set_answering(bool answers) { answers_ = answers; }
+    void set_heeding_aborts(bool heeds) { heeds_aborts_ = heeds; }
     void set_slow_release(bool slow) { slow_release_ = slow; }
     // After a release that took its time.
     void finish_release() {
@@ -224,7 +225,7 @@ class BxcanModel {
             Mailbox& mailbox = mailboxes_[i];
             const uint32_t bits = value >> (8 * i);
             if ((bits & kCompleted) != 0) mailbox.status = 0;
-            if ((bits & 1U << 7) == 0 || !mailbox.waits) continue;
+            if ((bits & 1U << 7) == 0 || !mailbox.waits || !heeds_aborts_) continue;
             mailbox.aborting = true;
             if (sending_ != i) complete(mailbox, 0);
         }
@@ -301,6 +302,7 @@ class BxcanModel {
     bool may_recover_ = false;
     bool error_interrupt_ = false;
     bool answers_ = true;
+    bool heeds_aborts_ = true;
     bool slow_release_ = false;
 };
 

@@ -132,6 +132,19 @@ TEST_F(Bxcan, nothing_that_an_earlier_run_left_in_a_mailbox_goes_out) {
     EXPECT_EQ(model.waiting(), 0U);
 }
 
+TEST_F(Bxcan, a_mailbox_that_does_not_come_free_keeps_it_off_the_bus) {
+    start();
+    ASSERT_EQ(send(5), CanSend::kSent);
+    model.set_heeding_aborts(false);
+    model.count_errors(256);
+    for (int i = 0; i < 4; ++i) {
+        run(BxcanPort<BxcanWire>::kBusOffPause_us);
+        model.recessive(128);
+    }
+    EXPECT_EQ(port.state(), State::kBusOff);
+    EXPECT_EQ(send(6), CanSend::kFull) << "whose mailbox would it be";
+}
+
 // --- sending ---
 
 TEST_F(Bxcan, sends_what_it_was_given) {
@@ -336,6 +349,7 @@ TEST_F(Bxcan, remote_frames_do_not_pass_the_filter) {
     }
     model.receive({0x123U << 21 | kRemote, 8, {}});
     EXPECT_EQ(received().size(), 0U);
+    EXPECT_EQ(counts().rx_ignored, 0U) << "they would take the place of others in a FIFO";
 }
 
 // --- errors ---

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import json
+import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+from stator.dronecan_codecs import TYPES
 
 ROOT = Path(__file__).resolve().parents[3]
 HERE = Path(__file__).parent
 BUILD = ROOT / "build" / "fuzz"
+Counts = dict[str, Any]
 LONGEST_INPUT = 2048  # 128 frames: two of the longest transfers
 COMPILE = ["clang++", "-std=c++20", "-O1", "-g", "-Wall", "-Wextra", "-Werror"]
 COMPILE += ["-fno-exceptions", "-fno-rtti", "-fno-sanitize-recover=all"]
@@ -27,18 +33,33 @@ def fuzzer() -> Path:
     subprocess.run([*python, str(HERE / "make_seeds.py"), str(BUILD / "seeds")], check=True)
     program = BUILD / "fuzz_transfers"
     runtime = ROOT / "runtime" / "dronecan"
-    sources = [HERE / "fuzz_transfers.cpp", *sorted(runtime.glob("*.cpp"))]
+    sources = [*sorted(HERE.glob("fuzz_*.cpp")), *sorted(runtime.glob("*.cpp"))]
     folders = [f"-I{runtime}", f"-I{codecs}", f"-I{HERE}"]
     subprocess.run([*COMPILE, *folders, *map(str, sources), "-o", str(program)], check=True)
     return program
 
 
-def run(fuzzer: Path, *arguments: str) -> None:
+def run(fuzzer: Path, *arguments: str) -> Counts:
+    """What the program says at its end that it has seen."""
     finished = subprocess.run(
-        [str(fuzzer), *arguments], cwd=BUILD, capture_output=True, text=True, check=False
+        [str(fuzzer), f"-max_len={LONGEST_INPUT}", *arguments],
+        cwd=BUILD,
+        env=os.environ | {"STATOR_FUZZ_COUNTS": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     hint = f"the input is in {BUILD}; once mended, keep it in {HERE / 'found'}"
     assert finished.returncode == 0, f"{finished.stderr[-4000:]}\n{hint}"
+    line = next(line for line in finished.stderr.splitlines() if line.startswith('{"starts"'))
+    counts: Counts = json.loads(line)
+    return counts
+
+
+def corpus() -> str:
+    folder = BUILD / "corpus"
+    folder.mkdir(exist_ok=True)
+    return str(folder)
 
 
 def test_what_was_once_found(fuzzer: Path) -> None:
@@ -46,27 +67,20 @@ def test_what_was_once_found(fuzzer: Path) -> None:
 
 
 def test_ten_seconds_of_fuzzing(fuzzer: Path) -> None:
-    corpus = BUILD / "corpus"
-    corpus.mkdir(exist_ok=True)
-    run(
-        fuzzer,
-        "-seed=1",
-        "-max_total_time=10",
-        f"-max_len={LONGEST_INPUT}",
-        str(corpus),
-        str(BUILD / "seeds"),
-    )
+    counts = run(fuzzer, "-seed=1", "-max_total_time=10", corpus(), str(BUILD / "seeds"))
+    # Good transfers and such as are none, of each type but the one without any bits.
+    assert len(counts["decoded"]) > len(TYPES)
+    assert all(counts["decoded"]), counts
+    assert counts["undecodable"].count(0) == 1, counts
+    assert counts["kept"] > 0
 
 
 @pytest.mark.long
-def test_ten_million_mutated_inputs(fuzzer: Path) -> None:
-    corpus = BUILD / "corpus"
-    corpus.mkdir(exist_ok=True)
-    run(
-        fuzzer,
-        "-seed=2",
-        "-runs=10000000",
-        f"-max_len={LONGEST_INPUT}",
-        str(corpus),
-        str(BUILD / "seeds"),
-    )
+def test_ten_million_mutated_transfers(fuzzer: Path) -> None:
+    transfers = 0
+    for seed in range(2, 100):
+        counts = run(fuzzer, f"-seed={seed}", "-runs=500000", corpus(), str(BUILD / "seeds"))
+        transfers += counts["starts"]
+        if transfers >= 10_000_000:
+            return
+    raise AssertionError(transfers)
