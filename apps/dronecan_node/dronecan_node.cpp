@@ -21,6 +21,7 @@ constexpr uint64_t kStatusPeriod_us = 1'000'000;
 constexpr uint64_t kLongestLoad_us = 10'000'000;
 constexpr unsigned kFramesPerRelease = 4;
 constexpr uint8_t kStatusPriority = 16;
+constexpr uint8_t kMostUrgentAnswer = 16;  // whoever asks must not hold up the motors' commands
 constexpr uint8_t kAllocationPriority = 30;
 // Of one node. A GetSet request takes up to 33 frames.
 constexpr std::array kWanted{
@@ -64,14 +65,16 @@ bool DronecanNode::read(Message& message) {
     return false;
 }
 
-// As the protocol wants it: with the request's priority and transfer id.
+// As the protocol wants it: with the request's transfer id and, if that is not too urgent,
+// priority.
 template <class Response>
 void DronecanNode::respond(const Response& response) {
     if (response_sender_.is_busy()) return;
     const dronecan::Header& request = receiver_.header();
-    response_sender_.begin(
-        {.priority = request.priority, .source = node_id_, .destination = request.source},
-        receiver_.transfer_id(), response);
+    response_sender_.begin({.priority = std::max(request.priority, kMostUrgentAnswer),
+                            .source = node_id_,
+                            .destination = request.source},
+                           receiver_.transfer_id(), response);
 }
 
 // The status was taken before the records are read here, so that once it says that all are loaded,

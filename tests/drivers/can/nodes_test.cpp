@@ -11,6 +11,8 @@
 #include "can_gnss.hpp"
 #include "dronecan_node.hpp"
 #include "parameter_server.hpp"
+#include "stator/dronecan/crc.hpp"
+#include "stator/dronecan/float16.hpp"
 #include "stator/dronecan/port.hpp"
 #include "stator/math/bits.hpp"
 #include "stator/testing.hpp"
@@ -45,6 +47,25 @@ Message decoded(const CanFrame& single) {
     Message message;
     EXPECT_TRUE(dronecan::decode(std::span(single.data).first(single.length - 1U), message));
     return message;
+}
+
+// Replaces a field's 16 bits, which stand in whole bytes, and mends the checksum.
+template <class Message>
+void patch(std::vector<CanFrame>& frames, uint16_t from, uint16_t to) {
+    std::vector<uint8_t*> payload;
+    for (CanFrame& frame : frames) {
+        for (unsigned i = 0; i + 1U < frame.length; ++i) payload.push_back(&frame.data[i]);
+    }
+    for (std::size_t i = 2; i + 1 < payload.size(); ++i) {
+        if (*payload[i] != (from & 0xFF) || *payload[i + 1] != from >> 8) continue;
+        *payload[i] = static_cast<uint8_t>(to);
+        *payload[i + 1] = static_cast<uint8_t>(to >> 8);
+        break;
+    }
+    uint16_t crc = Message::kType.crc_seed;
+    for (std::size_t i = 2; i < payload.size(); ++i) crc = dronecan::crc16(crc, *payload[i]);
+    *payload[0] = static_cast<uint8_t>(crc);
+    *payload[1] = static_cast<uint8_t>(crc >> 8);
 }
 
 // --- can_esc ---
@@ -148,6 +169,35 @@ TEST_F(Esc, impossible_values_and_strangers_are_counted) {
     EXPECT_EQ(report.rejected, 3U + 3U) << "three transfers, and the stranger's three frames";
 }
 
+TEST_F(Esc, no_field_takes_what_is_no_number_or_infinite) {
+    using Field = float Status::*;
+    uint8_t transfer_id = 0;
+    for (const Field field : {&Status::voltage, &Status::current, &Status::temperature}) {
+        // Infinite numbers are not sent; so as bits of a frame.
+        for (const uint16_t bits : std::array<uint16_t, 3>{0x7C00, 0xFC00, 0x7E00}) {
+            Status bad = status(0);
+            bad.*field = 1.0F;
+            auto frames = frames_of(bad, 20, now_us, transfer_id++);
+            patch<Status>(frames, dronecan::to_float16(1.0F), bits);
+            feed(frames);
+        }
+    }
+    EXPECT_EQ(report_now().esc_online_flags, 0);
+    EXPECT_EQ(report.rejected, 9U);
+}
+
+TEST_F(Esc, frames_that_are_none_of_the_protocol_count_for_nothing) {
+    auto frames = frames_of(status(0), 20, now_us);
+    for (CanFrame& frame : frames) frame.extended = false;
+    feed(frames);
+    EXPECT_EQ(report_now().rejected, 0U) << "11 bits are another protocol's";
+    frames = frames_of(status(0), 20, now_us);
+    for (CanFrame& frame : frames) frame.length = 64;
+    feed(frames);
+    EXPECT_EQ(report_now().rejected, 3U);
+    EXPECT_EQ(report.esc_online_flags, 0);
+}
+
 // --- can_gnss ---
 
 struct Gnss : ::testing::Test {
@@ -210,6 +260,37 @@ TEST_F(Gnss, an_impossible_fix_is_dropped_and_the_next_one_taken) {
     wild.ned_velocity[1] = math::canonical_nan<float>();
     EXPECT_EQ(feed(frames_of(wild, 40, 1'200'000, 1)), 0U);
     EXPECT_EQ(feed(frames_of(fix(), 40, 1'400'000, 2)), 1U);
+}
+
+TEST_F(Gnss, each_field_has_its_bounds) {
+    uint64_t now_us = 1'000'000;
+    uint8_t transfer_id = 0;
+    const auto takes = [&](auto change) {
+        Fix2 changed = fix();
+        change(changed);
+        return feed(frames_of(changed, 40, now_us += 200'000, transfer_id++)) == 1;
+    };
+    EXPECT_TRUE(takes([](Fix2& f) { f.latitude_deg_1e8 = -9'000'000'000; }));
+    EXPECT_FALSE(takes([](Fix2& f) { f.latitude_deg_1e8 = -9'000'000'001; }));
+    EXPECT_TRUE(takes([](Fix2& f) { f.longitude_deg_1e8 = 18'000'000'000; }));
+    EXPECT_FALSE(takes([](Fix2& f) { f.longitude_deg_1e8 = 18'000'000'001; }));
+    EXPECT_FALSE(takes([](Fix2& f) { f.longitude_deg_1e8 = -18'000'000'001; }));
+    EXPECT_FALSE(takes([](Fix2& f) { f.height_msl_mm = 60'000'001; }));
+    EXPECT_FALSE(takes([](Fix2& f) { f.height_msl_mm = -1'000'001; }));
+    for (unsigned i = 0; i < 3; ++i) {
+        EXPECT_FALSE(takes([&](Fix2& f) { f.ned_velocity[i] = 1000.5F; }));
+        EXPECT_FALSE(takes([&](Fix2& f) { f.ned_velocity[i] = math::canonical_nan<float>(); }));
+    }
+    EXPECT_FALSE(takes([](Fix2& f) {
+        f.covariance.assign(std::array{1.0F, 1.0F, 1.0F, 1.0F, math::canonical_nan<float>(), 1.0F});
+    }));
+    EXPECT_TRUE(takes([](Fix2& f) {
+        f.covariance.assign(std::array{-1.0F, 1.0F, 1.0F, 1.0F, 1.0F, 1.0F});
+    }));
+    EXPECT_TRUE(math::is_nan(newest.eph)) << "a variance below 0 tells nothing";
+    EXPECT_FALSE(feed(frames_of(Auxiliary{.hdop = math::canonical_nan<float>()}, 40, now_us)));
+    EXPECT_TRUE(takes([](Fix2&) {}));
+    EXPECT_TRUE(math::is_nan(newest.eph)) << "and neither does a geometry that is no number";
 }
 
 TEST_F(Gnss, a_second_receiver_is_heard_once_the_first_is_silent) {
@@ -378,6 +459,19 @@ TEST_F(NodeTest, a_restart_that_nobody_is_there_to_do_is_refused) {
     run(frames_of(Restart::Request{.magic_number = Restart::Request::kMagicNumber}, 127, now_us),
         1);
     EXPECT_FALSE(decoded<Restart::Response>(newest).ok);
+}
+
+TEST_F(NodeTest, no_answer_is_more_urgent_than_motor_commands) {
+    auto frames = frames_of(dronecan::protocol::GetNodeInfo::Request{}, 99, now_us);
+    frames[0].id &= ~(0x1FU << 24);  // as urgent as a request can be
+    run({}, 1);
+    run(frames);
+    EXPECT_EQ(dronecan::from_id(newest.id).priority, 16);
+    run({}, 10);
+    frames = frames_of(dronecan::protocol::GetNodeInfo::Request{}, 99, now_us, 1);
+    frames[0].id |= 0x1FU << 24;
+    run(frames);
+    EXPECT_EQ(dronecan::from_id(newest.id).priority, 31) << "less urgent ones as they were asked";
 }
 
 TEST_F(NodeTest, restarts_for_the_tool_and_disarmed_only) {

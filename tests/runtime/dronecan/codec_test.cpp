@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "every_type.hpp"
@@ -91,6 +92,29 @@ TEST(DroneCanCodec, rounds_to_16_bits_as_others_do) {
     for (const auto& [value, bits] : rows) EXPECT_EQ(to_float16(value), bits) << value;
 }
 
+// What a sender may put into any field of 16 bits arrives as it is: the nodes judge it.
+TEST(DroneCanCodec, reads_infinite_numbers_and_such_as_are_none) {
+    EXPECT_EQ(from_float16(0x7C00), std::numeric_limits<float>::infinity());
+    EXPECT_EQ(from_float16(0xFC00), -std::numeric_limits<float>::infinity());
+    for (const uint16_t bits : std::array<uint16_t, 3>{0x7C01, 0x7FFF, 0xFE00}) {
+        const float value = from_float16(bits);
+        EXPECT_NE(value, value);
+    }
+}
+
+TEST(DroneCanCodec, writes_no_infinite_number) {
+    std::array<uint8_t, equipment::gnss::Fix2::kType.most_bytes> bytes;
+    equipment::gnss::Fix2 fix;
+    fix.ned_velocity = {std::numeric_limits<float>::infinity(),
+                        -std::numeric_limits<float>::infinity(),
+                        std::numeric_limits<float>::quiet_NaN()};
+    equipment::gnss::Fix2 read;
+    ASSERT_TRUE(decode(std::span(bytes).first(encode(fix, bytes)), read));
+    EXPECT_EQ(read.ned_velocity[0], std::numeric_limits<float>::max());
+    EXPECT_EQ(read.ned_velocity[1], -std::numeric_limits<float>::max());
+    EXPECT_NE(read.ned_velocity[2], read.ned_velocity[2]);
+}
+
 TEST(DroneCanCodec, refuses_bytes_too_many_and_too_few) {
     std::array<uint8_t, 8> bytes{};
     protocol::NodeStatus status;
@@ -108,6 +132,14 @@ TEST(DroneCanCodec, refuses_a_union_of_no_kind_and_an_array_too_long) {
     EXPECT_FALSE(decode(text, request));
     text[2] = 128;
     EXPECT_TRUE(decode(std::span(text).first(3 + 128), request));
+    // The name takes what is left, at most 92 characters.
+    std::array<uint8_t, 2 + 93> name{};
+    EXPECT_TRUE(decode(std::span(name).first(2 + 92), request));
+    EXPECT_EQ(request.name.count, 92);
+    EXPECT_FALSE(decode(name, request));
+    // Within another type an array has its length: 36 covariances where 127 are said to be.
+    std::array<uint8_t, equipment::gnss::Fix2::kType.most_bytes> bytes{};
+    EXPECT_FALSE(decode(std::span(bytes).first(20), *std::make_unique<equipment::gnss::Fix2>()));
 }
 
 }  // namespace

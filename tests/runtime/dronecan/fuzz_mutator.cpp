@@ -19,6 +19,8 @@ using namespace stator::dronecan::fuzz;
 
 constexpr std::size_t kMostPayload = protocol::param::GetSet::Response::kType.most_bytes;
 
+constexpr std::array<std::uint8_t, 4> kInfinity{0, 0, 0x80, 0x7F};  // of binary32
+
 struct Random {
     std::uint32_t state;
     std::uint32_t below(std::size_t count) {
@@ -96,6 +98,10 @@ void rewrite_transfer(Records& records, Random& random) {
     const std::size_t most = std::min<std::size_t>(kMostPayload, type.most_bytes + 1U);
     payload.resize(kMostPayload);
     payload.resize(random.below(16) == 0 ? 0 : LLVMFuzzerMutate(payload.data(), size, most));
+    if (payload.size() >= kInfinity.size() && random.below(16) == 0) {
+        std::copy(kInfinity.begin(), kInfinity.end(),
+                  payload.begin() + random.below(payload.size() - kInfinity.size() + 1));
+    }
     const auto transfer_id = static_cast<std::uint8_t>(random.below(kTransferIds));
     const Records cut = Cutter().cut(header, transfer_id, type.crc_seed, payload);
     records.erase(records.begin() + static_cast<std::ptrdiff_t>(first),

@@ -8,6 +8,7 @@
 #include "dronecan/protocol/dynamic_node_id/allocation.hpp"
 #include "dronecan/protocol/node_status.hpp"
 #include "dronecan/protocol/restart_node.hpp"
+#include "stator/dronecan/crc.hpp"
 #include "stator/dronecan/receiver.hpp"
 #include "stator/dronecan/sender.hpp"
 
@@ -165,6 +166,126 @@ TEST_F(Transfers, frames_of_no_length_and_of_impossible_length_are_refused) {
     frame.length = 255;
     EXPECT_FALSE(receiver.accept(frame, now_us));
     EXPECT_EQ(counters().malformed, 2U);
+}
+
+TEST_F(Transfers, one_in_progress_survives_a_flood_of_others) {
+    const auto ours = cut(Status{.error_count = 5}, 20);
+    EXPECT_EQ(feed({ours[0]}), 0U);
+    for (uint8_t round = 0; round < 20; ++round) {
+        for (uint8_t node = 21; node < 30; ++node) {
+            feed({cut(Status{}, node, round)[0]});
+            feed(cut(NodeStatus{}, node, round));
+        }
+    }
+    EXPECT_GT(counters().no_room, 100U);
+    EXPECT_EQ(feed({ours[1], ours[2]}), 1U);
+    EXPECT_EQ(feed(cut(Status{}, 20, 1)), 1U) << "and so does its next one";
+}
+
+TEST_F(Transfers, of_one_sender_two_types_interleave) {
+    const auto frames = cut(Status{}, 20);
+    EXPECT_EQ(feed({frames[0], frames[1]}), 0U);
+    EXPECT_EQ(feed(cut(NodeStatus{}, 20)), 1U);
+    EXPECT_EQ(feed({frames[2]}), 1U);
+}
+
+TEST_F(Transfers, of_one_sender_and_type_the_newer_counts) {
+    const auto first = cut(Status{.error_count = 1}, 20, 1);
+    const auto second = cut(Status{.error_count = 2}, 20, 2);
+    EXPECT_EQ(feed({first[0], first[1], second[0], first[2], second[1], second[2]}), 1U);
+    EXPECT_EQ(receiver.transfer_id(), 2);
+    EXPECT_EQ(counters().broken_off, 1U);
+    EXPECT_EQ(counters().malformed, 1U) << "the first one's end is out of place";
+}
+
+TEST_F(Transfers, a_first_frame_that_comes_twice_begins_anew) {
+    auto frames = cut(Status{}, 20);
+    frames.insert(frames.begin(), frames[0]);
+    EXPECT_EQ(feed(frames), 1U);
+}
+
+TEST_F(Transfers, the_toggle_begins_at_0) {
+    auto several = cut(Status{}, 20);
+    several[0].data[7] |= Tail::kToggle;
+    EXPECT_EQ(feed(several), 0U);
+    auto single = cut(NodeStatus{}, 20);
+    single[0].data[7] |= Tail::kToggle;
+    EXPECT_EQ(feed(single), 0U);
+    EXPECT_EQ(counters().malformed, 4U) << "three frames and one";
+    EXPECT_EQ(feed(cut(NodeStatus{}, 20)), 1U);
+}
+
+TEST_F(Transfers, only_the_last_frame_may_be_short) {
+    for (const unsigned at : {0U, 1U}) {
+        auto frames = cut(Status{}, 20, static_cast<uint8_t>(at));
+        frames[at].data[4] = frames[at].data[7];
+        frames[at].length = 5;
+        EXPECT_EQ(feed(frames), 0U);
+    }
+    EXPECT_EQ(counters().transfers, 0U);
+    EXPECT_EQ(feed(cut(Status{}, 20, 2)), 1U);
+}
+
+TEST_F(Transfers, a_first_frame_of_its_tail_alone_is_none_of_several) {
+    Frame frame{.id = cut(Status{}, 20)[0].id, .length = 1, .data = {Tail::kStart}};
+    EXPECT_FALSE(receiver.accept(frame, now_us));
+    EXPECT_EQ(counters().malformed, 1U);
+}
+
+TEST_F(Transfers, the_checksum_is_that_of_the_type) {
+    auto frames = cut(Status{}, 20);
+    uint16_t crc = 0;
+    std::vector<uint8_t> payload;
+    for (const Frame& frame : frames) {
+        payload.insert(payload.end(), frame.data.begin(), frame.data.begin() + frame.length - 1);
+    }
+    payload.erase(payload.begin(), payload.begin() + 2);
+    crc = crc16(crc_seed(0), payload);  // as a node reckons that knows another type by this id
+    frames[0].data[0] = static_cast<uint8_t>(crc);
+    frames[0].data[1] = static_cast<uint8_t>(crc >> 8);
+    EXPECT_EQ(feed(frames), 0U);
+    EXPECT_EQ(counters().wrong_crc, 1U);
+}
+
+TEST_F(Transfers, ids_go_round) {
+    for (const uint8_t id : std::array<uint8_t, 3>{31, 0, 1})
+        EXPECT_EQ(feed(cut(Status{}, 20, id)), 1U);
+}
+
+TEST_F(Transfers, a_short_type_in_a_long_frame_is_refused) {
+    Frame frame = cut(RestartNode::Request{}, 20)[0];
+    ASSERT_EQ(frame.length, 6);
+    frame.data[6] = frame.data[5];
+    frame.length = 7;
+    EXPECT_FALSE(receiver.accept(frame, now_us));
+    EXPECT_EQ(counters().malformed, 1U);
+}
+
+TEST_F(Transfers, ids_of_nodes_at_the_edges) {
+    NodeSet nodes;
+    nodes.add_range(-5, 500);
+    EXPECT_EQ(nodes.size(), 128U);
+    EXPECT_FALSE(nodes.has(128));
+    receiver.allow(nodes);
+    EXPECT_EQ(feed(cut(NodeStatus{}, 1)), 1U);
+    EXPECT_EQ(feed(cut(NodeStatus{}, 127)), 1U);
+    const Frame other{
+        .id = to_id({.type_id = 2, .discriminator = 77}), .length = 1, .data = {0xC0}};
+    EXPECT_FALSE(receiver.accept(other, now_us)) << "a node without id may not say this";
+    Frame request = cut(RestartNode::Request{}, 20)[0];
+    const auto to = [&](uint32_t destination) {
+        request.id = (request.id & ~0x7F00U) | destination << 8;
+        return receiver.accept(request, now_us);
+    };
+    EXPECT_FALSE(to(0)) << "nobody asks all";
+    EXPECT_FALSE(to(127));
+    EXPECT_TRUE(to(kOwnId));
+}
+
+TEST_F(Transfers, a_node_without_id_asks_nothing_and_answers_nothing) {
+    EXPECT_EQ(feed(cut(RestartNode::Request{}, 0)), 0U);
+    EXPECT_EQ(feed(cut(RestartNode::Response{}, 20)), 0U) << "nobody asked";
+    EXPECT_EQ(counters().rejected(), 0U) << "others' business";
 }
 
 TEST(DroneCanFrame, identifiers_go_there_and_back) {
