@@ -81,21 +81,12 @@ class BxcanModel {
     // error-passive node that only lacks its acknowledgement counts no further (ISO 11898-1).
     void fail_transmission(uint32_t code) {
         if (sending_ == kNone) return;
-        Mailbox& mailbox = mailboxes_[sending_];
-        sending_ = kNone;
         if (code != kAckError || transmit_errors_ < 128) count_errors(transmit_errors_ + 8);
         last_error_ = code;
-        mailbox.status |= kError;
-        if (mailbox.aborting) complete(mailbox, 0);
+        stop_transmission(kError);
     }
     // Another node's frame was more urgent.
-    void lose_arbitration() {
-        if (sending_ == kNone) return;
-        Mailbox& mailbox = mailboxes_[sending_];
-        sending_ = kNone;
-        mailbox.status |= kLost;
-        if (mailbox.aborting) complete(mailbox, 0);
-    }
+    void lose_arbitration() { stop_transmission(kLost); }
     std::optional<Message> transmit() {
         begin_transmission();
         return end_transmission();
@@ -191,6 +182,13 @@ class BxcanModel {
         mailbox.waits = false;
         mailbox.aborting = false;
         mailbox.status |= kCompleted | status;
+    }
+    void stop_transmission(uint32_t status) {
+        if (sending_ == kNone) return;
+        Mailbox& mailbox = mailboxes_[sending_];
+        sending_ = kNone;
+        mailbox.status |= status;
+        if (mailbox.aborting) complete(mailbox, 0);
     }
     uint32_t completed() const {
         uint32_t all = 0;

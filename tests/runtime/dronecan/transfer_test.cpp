@@ -223,6 +223,7 @@ TEST_F(Transfers, only_the_last_frame_may_be_short) {
         EXPECT_EQ(feed(frames), 0U);
     }
     EXPECT_EQ(counters().transfers, 0U);
+    EXPECT_EQ(counters().wrong_crc, 0U) << "known before the checksum";
     EXPECT_EQ(feed(cut(Status{}, 20, 2)), 1U);
 }
 
