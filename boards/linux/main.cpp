@@ -62,6 +62,7 @@ void connect(board::RealWorld& world) {
 [[nodiscard]] bool connect_can(board::RealWorld& world, const board::RunOptions& run) {
     if (!board::is_can_interface(run.can_interface)) return false;
     board::can1.interface = run.can_interface;
+    board::can1.clock_speed = run.settings.speed;
     board::can1.watch = [](int descriptor) {
         if (!board::can1_received.watch(descriptor)) fail("cannot wait for the CAN socket");
     };
@@ -187,7 +188,7 @@ int main(int count, char** arguments) {
     if (!start(run.settings)) return 2;
     if (!world.begin()) return refuse_world();
     const Ending ending = wait_until(options.duration_us);
-    const double wall_s = seconds(clock_ns());
+    const double wall_s = seconds(clock_ns()) / run.settings.speed;
     world.end();
     const bool came_to_rest = finish();
     if (!came_to_rest) tell_unrest();

@@ -21,6 +21,13 @@ bool take_parts(std::string_view value, bool& has_parts) {
     return has_parts || value == "no" || refuse("--can-parts", value, "yes or no");
 }
 
+bool take_speed(std::string_view value, double& speed) {
+    const char* const end = value.data() + value.size();
+    const auto [stop, error] = std::from_chars(value.data(), end, speed);
+    return (error == std::errc{} && stop == end && speed > 0.0 && speed <= 1.0) ||
+           refuse("--speed", value, "a factor above 0 and at most 1, which is real time");
+}
+
 bool take_cpus(std::string_view value, uint64_t& cpus) {
     const char* const end = value.data() + value.size();
     const auto [stop, error] = std::from_chars(value.data(), end, cpus, 16);
@@ -44,6 +51,8 @@ bool take_run_options(int& count, char** arguments, RunOptions& options) {
             options.nonvolatile = value;
         } else if (name == "--link") {
             options.link = value;
+        } else if (name == "--speed") {
+            is_valid = take_speed(value, options.settings.speed);
         } else if (name == "--cpus") {
             is_valid = take_cpus(value, options.settings.cpus);
         } else {

@@ -13,9 +13,9 @@ struct RunOptions {
     Settings settings;
 };
 
-// Takes --can INTERFACE, --can-parts yes|no, --nonvolatile FILE, --link SOCKET and --cpus MASK
-// (hexadecimal, bit i: processor i) out of the arguments. False after one line on the standard
-// error output that says what is wrong.
+// Takes --can INTERFACE, --can-parts yes|no, --nonvolatile FILE, --link SOCKET, --speed FACTOR
+// and --cpus MASK (hexadecimal, bit i: processor i) out of the arguments. False after one line on
+// the standard error output that says what is wrong.
 [[nodiscard]] bool take_run_options(int& count, char** arguments, RunOptions& options);
 
 }  // namespace stator::board

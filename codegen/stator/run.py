@@ -21,6 +21,7 @@ from stator.flight_arguments import (
     is_windy,
     rates_of,
     recording_of,
+    speed_of,
 )
 from stator.flight_facts import default_log, facts_of
 from stator.flight_report import flight_rows, log_row, show
@@ -49,6 +50,14 @@ OWN_FACTS = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_flight_arguments(parser, board="linux", what="a board of threads")
+    parser.add_argument(
+        "--speed",
+        type=speed_of,
+        default=1.0,
+        metavar="FACTOR",
+        help="how fast the graph's clock runs, at most 1: under a debugger, valgrind or a "
+        "sanitizer, or on a machine that is too slow (default: 1, real time)",
+    )
     parser.add_argument(
         "--can", metavar="INTERFACE", help="the CAN interface behind the device can1, such as can0"
     )
@@ -124,6 +133,7 @@ def main(arguments: argparse.Namespace) -> int:
     facts |= rates_of(arguments)
     facts["link"] = None if link is None else str(link)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
+    facts["speed"] = arguments.speed
     if arguments.json:
         print(json.dumps(facts, indent=2))
     else:
@@ -190,7 +200,7 @@ def _run(
     """Signals end the program in order, which then says what there was until then."""
     command = [str(program), "--log", str(log), "--truth", str(truth)]
     command += [] if link is None else ["--link", str(link)]
-    command += flight_options(arguments)
+    command += [*flight_options(arguments), "--speed", f"{arguments.speed:.6f}"]
     if arguments.can is not None:
         parts = "no" if arguments.no_can_parts else "yes"
         command += ["--can", arguments.can, "--can-parts", parts]

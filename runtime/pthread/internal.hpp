@@ -32,6 +32,8 @@ void ask_permission(const Settings& settings);
 void ask_for_memory(const Settings& settings);
 // At the begin of a thread: names it and touches its stack, so that no activation is the first to.
 void prepare_thread(const char* name);
+// How long the machine takes for what is so long by the graph's clock.
+uint64_t machine_ns(uint64_t duration_ns);
 
 // Above those of all levels, as interrupts are.
 inline constexpr unsigned kDevicePriority = 16;
@@ -41,7 +43,7 @@ inline constexpr unsigned kDevicePriority = 16;
 // Threads are made first, and wait at the gate.
 bool make_level(unsigned level);
 void wait_at_gate();
-void open_gate();  // time begins
+void open_gate(double speed);  // time begins
 void drop_pending();
 void stop_releases();
 bool is_any_level_busy();         // two looks: true unless all slept in between

@@ -24,7 +24,9 @@ namespace {
 constexpr uint64_t kNever = UINT64_MAX;
 constexpr uint64_t kSecond_ns = 1'000'000'000;
 
-uint64_t start_ns = 0;  // written before the gate opens
+// Written before the gate opens.
+uint64_t start_ns = 0;
+double speed = 1.0;
 std::atomic<uint32_t> gate{0};
 std::atomic<bool> releases_end{false};
 
@@ -34,16 +36,19 @@ uint64_t time_ns(clockid_t clock) {
     return static_cast<uint64_t>(now.tv_sec) * kSecond_ns + static_cast<uint64_t>(now.tv_nsec);
 }
 
-timespec timespec_of(uint64_t time_ns) {
+// When the machine's clock is not before the graph's.
+timespec machine_time(uint64_t time_us) {
+    const uint64_t time_ns = start_ns + machine_ns(time_us * 1000);
     return {.tv_sec = static_cast<time_t>(time_ns / kSecond_ns),
             .tv_nsec = static_cast<long>(time_ns % kSecond_ns)};
 }
 
-// Until the word is no longer `value`, somebody wakes it, or the clock says `end_ns`.
-void futex_wait(std::atomic<uint32_t>& word, uint32_t value, uint64_t end_ns) {
-    const timespec end = timespec_of(end_ns);
+// Until the word is no longer `value`, somebody wakes it, or the clock says `end_us`.
+void futex_wait(std::atomic<uint32_t>& word, uint32_t value, uint64_t end_us) {
+    timespec end{};
+    if (end_us != kNever) end = machine_time(end_us);
     // With a bit set the time is absolute, and of CLOCK_MONOTONIC.
-    syscall(SYS_futex, &word, FUTEX_WAIT_BITSET_PRIVATE, value, end_ns == kNever ? nullptr : &end,
+    syscall(SYS_futex, &word, FUTEX_WAIT_BITSET_PRIVATE, value, end_us == kNever ? nullptr : &end,
             nullptr, FUTEX_BITSET_MATCH_ANY);
 }
 
@@ -147,7 +152,7 @@ void LevelThread::sleep(uint64_t until_us) {
     sleeps_.fetch_add(1);
     uint32_t awake = kAwake;
     if (!word_->compare_exchange_strong(awake, 0)) return;
-    futex_wait(*word_, 0, until_us == kNever ? kNever : start_ns + until_us * 1000);
+    futex_wait(*word_, 0, until_us);
     word_->fetch_or(kAwake);
     ++facts_.wakes;
 }
@@ -159,16 +164,24 @@ void wake_level(uint32_t word) {
 }
 
 uint64_t clock_ns() {
-    return time_ns(CLOCK_MONOTONIC) - start_ns;
+    const uint64_t elapsed_ns = time_ns(CLOCK_MONOTONIC) - start_ns;
+    // A double has the nanoseconds of 104 days, and a product with 1 is exact.
+    return static_cast<uint64_t>(static_cast<double>(elapsed_ns) * speed);
 }
 uint64_t clock_us() {
     return clock_ns() / 1000;
 }
 
 void sleep_until_us(uint64_t time_us) {
-    const timespec end = timespec_of(start_ns + time_us * 1000);
+    const timespec end = machine_time(time_us);
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &end, nullptr) == EINTR) {
     }
+}
+
+uint64_t machine_ns(uint64_t duration_ns) {
+    // One more, as the way back rounds down.
+    return speed == 1.0 ? duration_ns
+                        : static_cast<uint64_t>(static_cast<double>(duration_ns) / speed) + 1;
 }
 
 uint64_t thread_cpu_ns() {
@@ -183,7 +196,8 @@ void wait_at_gate() {
     while (gate.load(std::memory_order_acquire) == 0) futex_wait(gate, 0, kNever);
 }
 
-void open_gate() {
+void open_gate(double wanted_speed) {
+    speed = wanted_speed;
     start_ns = time_ns(CLOCK_MONOTONIC);
     gate.store(1, std::memory_order_release);
     futex_wake(gate, INT_MAX);

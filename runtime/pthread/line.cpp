@@ -106,7 +106,8 @@ int LineThread::timeout_ms() {
     uint64_t first_us = UINT64_MAX;
     for (const Line* line : held_) first_us = std::min(first_us, line->held_until_us_);
     const uint64_t now_us = clock_us();
-    return first_us <= now_us ? 0 : static_cast<int>((first_us - now_us) / 1000 + 1);
+    if (first_us <= now_us) return 0;
+    return static_cast<int>(machine_ns(1000 * (first_us - now_us)) / 1'000'000 + 1);
 }
 
 void LineThread::arm_held() {

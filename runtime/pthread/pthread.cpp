@@ -87,7 +87,7 @@ bool cancel(unsigned levels, const char* what) {
     close_link();
     stop_releases();
     drop_pending();
-    open_gate();
+    open_gate(1.0);
     static_cast<void>(end_levels(levels, UINT64_MAX));
     return false;
 }
@@ -105,7 +105,7 @@ bool start(const Settings& settings) {
         return cancel(program.level_count, "the thread of lines");
     }
     ask_for_memory(settings);
-    open_gate();
+    open_gate(settings.speed);
     return true;
 }
 
@@ -115,9 +115,9 @@ Ending wait_until(uint64_t end_us) {
         if (now_us >= end_us) return Ending::kTime;
         all_show_life(program.watched, program.watched_count, now_us);
         const uint64_t next_us = std::min(end_us, next_link_turn_us(now_us));
-        const uint64_t left_us = std::min(next_us - now_us, kWatchPeriod_us);
-        const timespec left{.tv_sec = static_cast<time_t>(left_us / 1'000'000),
-                            .tv_nsec = static_cast<long>(left_us % 1'000'000) * 1000};
+        const uint64_t left_ns = machine_ns(1000 * std::min(next_us - now_us, kWatchPeriod_us));
+        const timespec left{.tv_sec = static_cast<time_t>(left_ns / 1'000'000'000),
+                            .tv_nsec = static_cast<long>(left_ns % 1'000'000'000)};
         pollfd waits[] = {
             {stops, POLLIN, 0}, {signals, POLLIN, 0}, {link_events(now_us), POLLIN, 0}};
         if (ppoll(waits, std::size(waits), &left, nullptr) <= 0) continue;

@@ -38,12 +38,14 @@ bool is_up(int descriptor, const char* name) {
     return ioctl(descriptor, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
 }
 
-// How long ago the kernel saw the frame, by its clock of the day.
-uint64_t age_us(const timespec& seen, const timespec& now) {
+// How long ago the kernel saw the frame, by its clock of the day; by ours, that is `speed` times so
+// long.
+uint64_t age_us(const timespec& seen, const timespec& now, double speed) {
     const int64_t age_ns =
         (now.tv_sec - seen.tv_sec) * 1'000'000'000LL + (now.tv_nsec - seen.tv_nsec);
     constexpr int64_t kMost_ns = 1'000'000'000;  // more, or less than none: that clock was set
-    return age_ns > 0 && age_ns < kMost_ns ? static_cast<uint64_t>(age_ns / 1000) : 0;
+    if (age_ns <= 0 || age_ns >= kMost_ns) return 0;
+    return static_cast<uint64_t>(speed * static_cast<double>(age_ns / 1000));
 }
 
 }  // namespace
@@ -153,7 +155,7 @@ bool SocketPort::fetch(uint64_t now_us) {
                 std::memcpy(&rx_lost_, CMSG_DATA(c), sizeof rx_lost_);
             }
         }
-        const uint64_t age = age_us(seen, now);
+        const uint64_t age = age_us(seen, now, device_.clock_speed);
         sort(frame, message.msg_len == sizeof frame, now_us > age ? now_us - age : 0);
     }
     return true;

@@ -23,6 +23,7 @@ class SocketPort {
         // Which frames the kernel hands over; none: all data frames.
         std::array<Filter, kMostFilters> filters{};
         unsigned filter_count = 0;
+        double clock_speed = 1.0;  // of the program's clock against the machine's
         // The board waits for the descriptor, and stops that before it is closed. May be null.
         void (*watch)(int descriptor) = nullptr;
         void (*unwatch)() = nullptr;

@@ -56,6 +56,7 @@ extern const Program program;
 struct Settings {
     uint64_t cpus = 0;      // bit i: the levels may run on processor i; 0: on any
     bool real_time = true;  // SCHED_FIFO and locked memory
+    double speed = 1.0;     // of the graph's clock against the machine's; not above 1
 };
 
 // Something that the machine did not grant, for people.
@@ -73,7 +74,7 @@ struct LevelFacts {
     uint64_t worst_release_ns = 0;  // from a release's nominal time to its pending
 };
 
-// Microseconds since `start`, of CLOCK_MONOTONIC. Any thread.
+// Microseconds since `start`, of CLOCK_MONOTONIC times the speed. Any thread.
 uint64_t clock_us();
 // The same clock at its full resolution.
 uint64_t clock_ns();
