@@ -28,6 +28,12 @@ bool hears_pilot(const CommanderPorts& ports) {
     return ports.sticks && ports.sticks->valid;
 }
 
+bool hears_motors(const CommanderPorts& ports) {
+    if (!ports.escs) return true;
+    const unsigned all = (1U << ports.escs->esc_count) - 1;
+    return (ports.escs->esc_online_flags & all) == all;
+}
+
 bool is_flown_by_hand(Nav mode) {
     return mode == Nav::kManual || mode == Nav::kStabilized || mode == Nav::kAltitude;
 }
@@ -48,11 +54,12 @@ void Commander::take_health(const CommanderPorts& ports, float dt) {
                                             ports.params->settle_time);
     h.battery_ok =
         ports.battery && ports.battery->connected && ports.battery->warning == Warning::kNone;
+    h.motors_ok = hears_motors(ports);
     h.rc_ok = hears_pilot(ports);
     h.logging_ok = static_cast<bool>(ports.log);
     h.mission_ok = wish_ != Nav::kMission || (ports.result && ports.result->valid);
-    h.can_arm =
-        h.sensors_ok && h.estimator_ok && h.battery_ok && h.rc_ok && h.logging_ok && h.mission_ok;
+    h.can_arm = h.sensors_ok && h.estimator_ok && h.battery_ok && h.motors_ok && h.rc_ok &&
+                h.logging_ok && h.mission_ok;
 }
 
 bool Commander::is_outside_fence(const CommanderPorts& ports) const {
@@ -78,6 +85,7 @@ void Commander::take_events(const CommanderPorts& ports, float dt) {
         height_is_gone_.update(!knows_height(ports), dt, params.position_timeout));
     set(FailsafeEvent::kPositionLost,
         position_is_gone_.update(!knows_position(ports), dt, params.position_timeout));
+    set(FailsafeEvent::kMotorLost, !hears_motors(ports));
     set(FailsafeEvent::kRcLost, pilot_is_gone_.update(!hears_pilot(ports), dt, params.rc_timeout));
     set(FailsafeEvent::kGeofence, is_outside_fence(ports));
     set(FailsafeEvent::kMissionLost, !ports.result || !ports.result->valid);

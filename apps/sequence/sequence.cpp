@@ -46,6 +46,11 @@ bool is_good(const SequencePorts& ports) {
     return is_valid && is_number && !is_old;
 }
 
+bool hears_all(const EscStatus& escs) {
+    const unsigned all = (1U << escs.esc_count) - 1;
+    return (escs.esc_online_flags & all) == all;
+}
+
 }  // namespace
 
 void Sequence::take_position(const SequencePorts& ports, float dt) {
@@ -76,8 +81,13 @@ void Sequence::begin_landing(const SequenceParams& params) {
     begin(Phase::kLand);
 }
 
+Sequence::Event Sequence::what_forces_down() const {
+    if (position_is_lost()) return Event::kPositionLost;
+    return motor_is_lost_ ? Event::kMotorLost : Event::kNone;
+}
+
 void Sequence::wait(const SequenceParams& params) {
-    if (bad_for_s_ > 0.0F || good_for_s_ < params.start_delay) return;
+    if (!is_ready() || good_for_s_ < params.start_delay) return;
     ground_z_ = position_N_.z();
     leg_ = StraightLeg(position_N_, up(), 0.0F);
     yaw_ = heading_;
@@ -85,7 +95,7 @@ void Sequence::wait(const SequenceParams& params) {
 }
 
 void Sequence::spool_up(const SequenceParams& params) {
-    if (bad_for_s_ > 0.0F) {
+    if (!is_ready()) {
         begin(Phase::kWait);
     } else if (in_phase_s_ >= params.spool_up_time) {
         leg_ = StraightLeg(position_N_, up(), params.height);
@@ -140,7 +150,10 @@ void Sequence::advance(const SequenceParams& params, float dt) {
     in_phase_s_ += dt;
     const bool is_flying =
         phase_ == Phase::kClimb || phase_ == Phase::kApproach || phase_ == Phase::kHover;
-    if (is_flying && position_is_lost()) begin_landing(params);
+    if (is_flying && what_forces_down() != Event::kNone) {
+        failsafe_ = what_forces_down();
+        begin_landing(params);
+    }
     switch (phase_) {
         case Phase::kWait:
             return wait(params);
@@ -185,12 +198,16 @@ VehicleStatus Sequence::status() const {
     Nav nav_state = Nav::kHold;
     if (phase_ == Phase::kSpoolUp || phase_ == Phase::kClimb) nav_state = Nav::kTakeoff;
     if (phase_ == Phase::kLand || phase_ == Phase::kDone) nav_state = Nav::kLand;
-    return {.arming_state = armed ? Arming::kArmed : Arming::kDisarmed, .nav_state = nav_state};
+    return {.arming_state = armed ? Arming::kArmed : Arming::kDisarmed,
+            .nav_state = nav_state,
+            .failsafe = failsafe_ != Event::kNone,
+            .failsafe_event = failsafe_};
 }
 
 void Sequence::step(SequencePorts& ports) {
     const float dt = seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
     take_position(ports, dt);
+    motor_is_lost_ = ports.escs && !hears_all(*ports.escs);
     advance(*ports.params, dt);
     ports.setpoint.publish([&] { return setpoint(*ports.params); });
     ports.status.publish([&] { return status(); });

@@ -9,19 +9,22 @@
 
 namespace stator {
 
-// Runs at a fixed period. Waits for a position before it arms. Where the position goes bad on the
-// ground it disarms and waits again; in flight it lands: straight down while there is a position,
-// by velocity alone while there is none. Once disarmed after a landing it stays so.
+// Runs at a fixed period. Waits for a position, and for all motor controllers, before it arms. Where
+// one of these goes on the ground it disarms and waits again; in flight it lands: straight down
+// while there is a position, by velocity alone while there is none. Once disarmed after a landing it
+// stays so.
 class Sequence {
   public:
     void step(SequencePorts& ports);
 
   private:
+    using Event = VehicleStatus::FailsafeEvent;
     enum class Phase { kWait, kSpoolUp, kClimb, kApproach, kHover, kLand, kDone };
 
     void take_position(const SequencePorts& ports, float dt);
     void begin(Phase phase);
     void begin_landing(const SequenceParams& params);
+    Event what_forces_down() const;
     void advance(const SequenceParams& params, float dt);
     void wait(const SequenceParams& params);
     void spool_up(const SequenceParams& params);
@@ -31,6 +34,7 @@ class Sequence {
     void turn(const SequenceParams& params, float dt);
     bool has_touched_down(float dt);
     bool position_is_lost() const;
+    bool is_ready() const { return bad_for_s_ == 0.0F && !motor_is_lost_; }
 
     TrajectorySetpoint setpoint(const SequenceParams& params) const;
     VehicleStatus status() const;
@@ -47,6 +51,8 @@ class Sequence {
     float heading_ = 0.0F;
     float good_for_s_ = 0.0F;
     float bad_for_s_ = 0.0F;
+    bool motor_is_lost_ = false;
+    Event failsafe_ = Event::kNone;
 
     float ground_z_ = 0.0F;
     bool is_blind_ = false;  // lands without position

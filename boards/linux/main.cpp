@@ -67,8 +67,10 @@ void connect(board::RealWorld& world) {
         if (!board::can1_received.watch(descriptor)) fail("cannot wait for the CAN socket");
     };
     board::can1.unwatch = [] { board::can1_received.unwatch(); };
-    if (!run.has_can_parts || world.connect_can_parts(run.can_interface)) return true;
-    std::fprintf(stderr, "error: cannot use '%s': %s\n", run.can_interface, std::strerror(errno));
+    if (run.can_parts == nullptr) return true;
+    if (!board::is_can_interface(run.can_parts)) return false;
+    if (world.connect_can_parts(run.can_parts)) return true;
+    std::fprintf(stderr, "error: cannot use '%s': %s\n", run.can_parts, std::strerror(errno));
     return false;
 }
 

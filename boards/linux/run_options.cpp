@@ -16,11 +16,6 @@ bool refuse(std::string_view name, std::string_view value, const char* wanted) {
     return false;
 }
 
-bool take_parts(std::string_view value, bool& has_parts) {
-    has_parts = value == "yes";
-    return has_parts || value == "no" || refuse("--can-parts", value, "yes or no");
-}
-
 bool take_speed(std::string_view value, double& speed) {
     const char* const end = value.data() + value.size();
     const auto [stop, error] = std::from_chars(value.data(), end, speed);
@@ -46,7 +41,7 @@ bool take_run_options(int& count, char** arguments, RunOptions& options) {
         if (name == "--can") {
             options.can_interface = value;
         } else if (name == "--can-parts") {
-            is_valid = take_parts(value, options.has_can_parts);
+            options.can_parts = value;
         } else if (name == "--nonvolatile") {
             options.nonvolatile = value;
         } else if (name == "--link") {

@@ -24,8 +24,8 @@ NAV_STATES = {
     12: "descend", 13: "termination", 15: "stabilized", 17: "take-off", 18: "landing",
 }  # fmt: skip
 FAILSAFE_EVENTS = {
-    1: "estimator_invalid", 2: "position_lost", 3: "geofence", 4: "battery_critical", 5: "rc_lost",
-    6: "mission_lost", 7: "battery_low",
+    1: "estimator_invalid", 2: "position_lost", 3: "motor_lost", 4: "geofence",
+    5: "battery_critical", 6: "rc_lost", 7: "mission_lost", 8: "battery_low",
 }  # fmt: skip
 
 

@@ -66,6 +66,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="the motor controllers and the receiver on the CAN bus are real: simulate none",
     )
+    parser.add_argument(
+        "--can-parts",
+        metavar="INTERFACE",
+        help="simulate them on another interface than the vehicle's: a program of yours, or a "
+        "bridge, stands between the two",
+    )
     add_nonvolatile_argument(parser)
     parser.add_argument(
         "--link",
@@ -202,8 +208,9 @@ def _run(
     command += [] if link is None else ["--link", str(link)]
     command += [*flight_options(arguments), "--speed", f"{arguments.speed:.6f}"]
     if arguments.can is not None:
-        parts = "no" if arguments.no_can_parts else "yes"
-        command += ["--can", arguments.can, "--can-parts", parts]
+        command += ["--can", arguments.can]
+        if not arguments.no_can_parts:
+            command += ["--can-parts", arguments.can_parts or arguments.can]
     if memory is not None:
         command += ["--nonvolatile", str(memory)]
     if arguments.cpus is not None:

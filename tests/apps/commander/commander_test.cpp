@@ -27,6 +27,7 @@ class CommanderTest : public ::testing::Test {
         switches_.mode_slot = 4;  // hold
         switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
         battery_.connected = true;
+        escs_ = {.esc_online_flags = 0b1111, .esc_count = 4};
     }
 
     void step() {
@@ -44,6 +45,7 @@ class CommanderTest : public ::testing::Test {
             .mag = has_mag_ ? Input(mag_) : Input<SensorMag>(),
             .baro = has_baro_ ? Input(baro_) : Input<SensorBaro>(),
             .gnss = has_gnss_ ? Input(gnss_) : Input<SensorGps>(),
+            .escs = Input(escs_),
             .log = has_log_ ? Input(log_) : Input<LogBlock>(),
             .params = Input(params_)};
         testing::Probe status(ports.status, now_us_);
@@ -110,6 +112,7 @@ class CommanderTest : public ::testing::Test {
     SensorMag mag_{};
     SensorBaro baro_{};
     SensorGps gnss_{};
+    EscStatus escs_{};
     LogBlock log_{};
     CommanderParams params_{};
     VehicleStatus status_{};
@@ -147,7 +150,7 @@ TEST_F(CommanderTest, a_switch_that_was_on_from_the_start_does_not_arm) {
 }
 
 TEST_F(CommanderTest, each_check_that_fails_keeps_it_disarmed_and_says_so) {
-    const std::array<std::pair<std::function<void()>, bool HealthReport::*>, 14> faults{{
+    const std::array<std::pair<std::function<void()>, bool HealthReport::*>, 15> faults{{
         {[&] { has_gyro_ = false; }, &HealthReport::sensors_ok},
         {[&] { has_mag_ = false; }, &HealthReport::sensors_ok},
         {[&] { has_baro_ = false; }, &HealthReport::sensors_ok},
@@ -159,6 +162,7 @@ TEST_F(CommanderTest, each_check_that_fails_keeps_it_disarmed_and_says_so) {
         {[&] { battery_.warning = Warning::kLow; }, &HealthReport::battery_ok},
         {[&] { battery_.connected = false; }, &HealthReport::battery_ok},
         {[&] { has_battery_ = false; }, &HealthReport::battery_ok},
+        {[&] { escs_.esc_online_flags = 0b0111; }, &HealthReport::motors_ok},
         {[&] { has_sticks_ = false; }, &HealthReport::rc_ok},
         {[&] { has_log_ = false; }, &HealthReport::logging_ok},
         {[&] { choose(Nav::kMission), result_.valid = false; }, &HealthReport::mission_ok},
@@ -168,6 +172,7 @@ TEST_F(CommanderTest, each_check_that_fails_keeps_it_disarmed_and_says_so) {
         node_ = {};
         position_ = good;
         battery_ = {.connected = true};
+        escs_.esc_online_flags = 0b1111;
         has_sticks_ = has_battery_ = has_gyro_ = has_mag_ = has_baro_ = has_gnss_ = true;
         has_log_ = true;
         switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
@@ -364,6 +369,24 @@ TEST_F(CommanderTest, a_lost_height_counts_before_a_lost_position) {
     position_.z_valid = position_.xy_valid = false;
     run(1.0F);
     EXPECT_EQ(status_.failsafe_event, Event::kEstimatorInvalid);
+}
+
+TEST_F(CommanderTest, a_lost_motor_controller_leads_down_but_where_a_pilot_holds_the_attitude) {
+    for (const Nav mode : {Nav::kMission, Nav::kHold, Nav::kReturn, Nav::kPosition}) {
+        node_ = {};
+        escs_.esc_online_flags = 0b1111;
+        switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
+        land_.landed = true;
+        fly(mode);
+        escs_.esc_online_flags = 0b1011;
+        step();
+        EXPECT_EQ(status_.nav_state, Nav::kLand) << static_cast<int>(mode);
+        EXPECT_EQ(status_.failsafe_event, Event::kMotorLost);
+    }
+    choose(Nav::kStabilized);
+    run(1.0F);
+    EXPECT_EQ(status_.nav_state, Nav::kStabilized);
+    EXPECT_FALSE(health_.motors_ok);
 }
 
 TEST_F(CommanderTest, the_fence_turns_it_back) {

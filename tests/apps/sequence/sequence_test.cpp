@@ -37,6 +37,7 @@ class SequenceTest : public ::testing::Test {
         SequencePorts ports{
             .now = now_us_,
             .position = has_position_ ? Input(position_) : Input<VehicleLocalPosition>(),
+            .escs = has_escs_ ? Input(escs_) : Input<EscStatus>(),
             .params = Input(params_)};
         testing::Probe setpoint(ports.setpoint, now_us_);
         testing::Probe status(ports.status, now_us_);
@@ -65,7 +66,9 @@ class SequenceTest : public ::testing::Test {
     VehicleLocalPosition position_{};
     TrajectorySetpoint setpoint_{};
     VehicleStatus status_{};
+    EscStatus escs_{.esc_online_flags = 0b1111, .esc_count = 4};
     uint64_t now_us_ = 0;
+    bool has_escs_ = false;
     bool has_position_ = true;
     bool position_updates_ = true;
     bool follows_ = true;
@@ -226,6 +229,34 @@ TEST_F(SequenceTest, without_position_in_flight_it_sinks_and_finally_disarms) {
     EXPECT_FLOAT_EQ(setpoint_.velocity[2], 0.4F);
     // Twice 2 m at 0.4 m/s, and 5 s.
     EXPECT_NEAR(run_until(Arming::kDisarmed, Nav::kLand), 10.0 + 5.0 - 0.5, 0.3);
+}
+
+TEST_F(SequenceTest, waits_for_all_motor_controllers_that_it_is_told_of) {
+    has_escs_ = true;
+    escs_.esc_online_flags = 0b0111;
+    run(10.0);
+    EXPECT_FALSE(is_armed());
+    escs_.esc_online_flags = 0b1111;
+    step();
+    EXPECT_TRUE(is_armed());
+    escs_.esc_online_flags = 0b1110;
+    step();
+    EXPECT_FALSE(is_armed()) << "still on the ground";
+    EXPECT_FALSE(status_.failsafe);
+}
+
+TEST_F(SequenceTest, a_lost_motor_controller_in_flight_lands_it_for_good) {
+    has_escs_ = true;
+    run_until(Arming::kArmed, Nav::kHold);
+    run(1.0);
+    escs_.esc_online_flags = 0b1101;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kLand);
+    EXPECT_TRUE(status_.failsafe);
+    EXPECT_EQ(status_.failsafe_event, VehicleStatus::FailsafeEvent::kMotorLost);
+    escs_.esc_online_flags = 0b1111;
+    EXPECT_LT(run_until(Arming::kDisarmed, Nav::kLand), 10.0);
+    EXPECT_EQ(status_.failsafe_event, VehicleStatus::FailsafeEvent::kMotorLost);
 }
 
 TEST_F(SequenceTest, a_position_that_stands_still_in_time_is_bad) {

@@ -17,7 +17,7 @@ from stator.library import HOME, Library
 
 TABLE = HOME / "apps" / "commander" / "failsafe.yaml"
 URGENCY = [
-    "estimator_invalid", "position_lost", "geofence", "battery_critical", "rc_lost",
+    "estimator_invalid", "position_lost", "motor_lost", "geofence", "battery_critical", "rc_lost",
     "mission_lost", "battery_low",
 ]  # fmt: skip
 

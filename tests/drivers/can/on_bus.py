@@ -11,7 +11,6 @@ import json
 import os
 import signal
 import socket
-import struct
 import subprocess
 import time
 from itertools import pairwise
@@ -23,28 +22,31 @@ import dronecan
 import pytest
 from dronecan import uavcan
 from dronecan.app.node_monitor import NodeMonitor
-from dronecan.driver.common import AbstractDriver, CANFrame
 from dronecan.node import Node
 from dronecan.transport import Transfer
 from pyulog import ULog
+from tests.drivers.can.peers import (
+    BUS,
+    BUS_OFF,
+    PATIENCE_S,
+    RESTARTED,
+    Driver,
+    NeverCame,
+    Part,
+    next_frame,
+    raw_socket,
+    send,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 PROGRAM = os.environ["STATOR_LINK"]
-BUS = "vcan0"
 OUR_ID = 10
 TOOL = 127
 RESTART = 3  # the program's status: boards/linux/main.cpp
-PATIENCE_S = 30.0  # for what must happen some time
 RAW_COMMAND = 0x0404060A  # priority 4, type 1030, from node 10
 NODE_STATUS = 0x1001550A  # priority 16, type 341
-FRAME = struct.Struct("=IB3x8s")
-BUS_OFF, RESTARTED = 0x40, 0x100  # of linux/can/error.h
-
-
-class NeverCame(AssertionError):
-    """A frame that was waited for."""
 
 
 class Link:
@@ -53,7 +55,7 @@ class Link:
     def __init__(self, log: Path, records: Path) -> None:
         self.log = log
         options = ["--nonvolatile", str(records)]
-        command = [PROGRAM, "--can", BUS, "--can-parts", "no", "--log", str(log)]
+        command = [PROGRAM, "--can", BUS, "--log", str(log)]
         self.process = subprocess.Popen(
             [*command, "--duration", "1000", *options],
             stdout=subprocess.PIPE,
@@ -89,59 +91,12 @@ def link(start: Callable[[], Link]) -> Link:
     return start()
 
 
-def raw_socket() -> socket.socket:
-    bus = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
-    bus.bind((BUS,))
-    bus.settimeout(PATIENCE_S)
-    return bus
-
-
-def next_frame(
-    bus: socket.socket, wanted: Callable[[int], bool], patience_s: float = PATIENCE_S
-) -> tuple[int, bytes]:
-    """The next extended frame of a wanted identifier."""
-    end = time.monotonic() + patience_s
-    while time.monotonic() < end:
-        identifier, length, data = FRAME.unpack(bus.recv(16))
-        if identifier & socket.CAN_EFF_FLAG and wanted(identifier & socket.CAN_EFF_MASK):
-            return identifier & socket.CAN_EFF_MASK, data[:length]
-    raise NeverCame
-
-
-def send(bus: socket.socket, identifier: int, data: bytes) -> None:
-    bus.send(FRAME.pack(identifier, len(data), data))
-
-
 def wait_for_us(bus: socket.socket) -> None:
     next_frame(bus, lambda identifier: identifier == RAW_COMMAND)
 
 
 def newest(log: ULog, topic: str) -> dict[str, Any]:
     return {key: values[-1] for key, values in log.get_dataset(topic).data.items()}
-
-
-class Driver(AbstractDriver):  # type: ignore[misc]
-    """The bus for the package dronecan, whose own driver python-can 4.6 does not bear."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.bus = raw_socket()
-
-    def close(self) -> None:
-        self.bus.close()
-
-    def send_frame(self, frame: Any) -> None:
-        send(self.bus, frame.id | socket.CAN_EFF_FLAG, bytes(frame.data))
-
-    def receive(self, timeout: float | None = None) -> Any:
-        self.bus.settimeout(max(timeout or 0.0, 0.001))
-        try:
-            identifier, length, data = FRAME.unpack(self.bus.recv(16))
-        except TimeoutError:
-            return None
-        extended = bool(identifier & socket.CAN_EFF_FLAG)
-        now = time.monotonic()
-        return CANFrame(identifier & socket.CAN_EFF_MASK, data[:length], extended, now, time.time())
 
 
 @pytest.fixture
@@ -339,28 +294,6 @@ def test_a_restart_is_answered_and_then_done(link: Link, peer: Any) -> None:
 
 
 # --- motor controllers and a receiver ---
-
-
-class Part:
-    """A node of the bus that only sends."""
-
-    def __init__(self, bus: socket.socket, node: int) -> None:
-        self.bus = bus
-        self.node = node
-        self.ids: dict[int, int] = {}
-
-    def send(self, payload: Any, priority: int = 16) -> None:
-        kind = dronecan.get_dronecan_data_type(payload).default_dtid
-        transfer_id = self.ids.get(kind, 0)
-        self.ids[kind] = (transfer_id + 1) % 32
-        transfer = Transfer(
-            payload=payload,
-            source_node_id=self.node,
-            transfer_id=transfer_id,
-            transfer_priority=priority,
-        )
-        for frame in transfer.to_frames():
-            send(self.bus, frame.message_id | socket.CAN_EFF_FLAG, bytes(frame.bytes))
 
 
 def esc_status(index: int) -> Any:
