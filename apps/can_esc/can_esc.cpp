@@ -47,7 +47,8 @@ void CanEsc::configure(const CanEscParams& params) {
 }
 
 bool CanEsc::is_online(const Esc& esc, uint64_t now_us) const {
-    return esc.node != 0 && now_us - esc.heard_us <= offline_timeout_us_;
+    // A frame may be newer than the release whose activation reads it.
+    return esc.node != 0 && now_us <= esc.heard_us + offline_timeout_us_;
 }
 
 // Limits of anything that flies; and a controller speaks for itself only.

@@ -149,6 +149,17 @@ TEST_F(Esc, reports_are_collected_and_get_old) {
     EXPECT_EQ(now.esc_rpm[2], 0);
 }
 
+TEST_F(Esc, a_controller_that_reports_after_a_late_release_is_online) {
+    now_us += 100'000;  // of the release, which is served when the frames are there
+    const auto frames = frames_of(status(1), 21, now_us + 300);
+    feed({frames[0], frames[1]});
+    now_us += 100'000;
+    CanFrame last = frames[2];
+    last.timestamp = now_us + 300;
+    feed({last});
+    EXPECT_EQ(report.esc_online_flags, 0b0010);
+}
+
 TEST_F(Esc, a_controller_speaks_for_itself_only) {
     feed(frames_of(status(1), 20, now_us));
     feed(frames_of(status(1), 21, now_us));
