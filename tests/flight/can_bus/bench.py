@@ -1,7 +1,7 @@
 """Plays the motor controllers and the receiver of a flight on a CAN bus of the kernel, with the
 package dronecan, and what goes wrong there. Run by test_on_bus.py inside tests/with-can.
 
-    bench.py PROGRAM LOG TRUTH SPEED FAULT...
+    bench.py PROGRAM LOG TRUTH SPEED SECONDS FAULT...
 
 The vehicle's bus is vcan0. Behind vcan1 are the simulated motors and antenna, as the wires and the
 sky would be: what the controllers want of their motors goes there, and what these do comes back. A
@@ -18,7 +18,7 @@ import struct
 import subprocess
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from dronecan import uavcan
@@ -29,7 +29,6 @@ from tests.drivers.can.peers import (
     RESTARTED,
     Driver,
     Filter,
-    Part,
     frames_of,
     raw_socket,
     send,
@@ -110,19 +109,19 @@ class Controller:
 
 @dataclass
 class Babbler:
-    """Fills the bus: most urgent frames of a node that nobody knows, and transfers under the name
-    of a controller that are none."""
+    """Fills the bus: most urgent frames of a node, and what a controller might send that is broken."""
 
     bus: socket.socket
     speed: float
+    node: int = 0
     until: float = 0.0
     sent: int = 0
     due: float = 0.0
     last: float = 0.0
     malformed: int = 0
-    frames: list[tuple[int, bytes]] = field(default_factory=list)
 
-    def begin(self, seconds: float) -> None:
+    def begin(self, seconds: float, node: int) -> None:
+        self.node = node
         self.last = time.monotonic()
         self.until = self.last + seconds / self.speed
         self.due = 0.0
@@ -139,18 +138,18 @@ class Babbler:
         most = min(int(self.due), 64)  # as the bench has more to do
         self.due = min(self.due - most, 64.0)
         for _ in range(most):
-            send(self.bus, socket.CAN_EFF_FLAG | ESC_STATUS << 8 | STRANGER, bytes(8))
+            send(self.bus, socket.CAN_EFF_FLAG | ESC_STATUS << 8 | self.node, bytes(8))
             self.sent += 1
             if self.sent % 100 == 0:
                 self.send_malformed()
 
     def send_malformed(self) -> None:
         """In turn: a checksum that is wrong, a toggle bit that does not change, a middle without a
-        beginning, an end of nothing."""
-        node = FIRST_CONTROLLER + 1
-        status = uavcan.equipment.esc.Status(voltage=99.0, rpm=-1, esc_index=1)
-        frames = frames_of(status, node, self.malformed % 32, 16)
-        kind = self.malformed % 4
+        beginning, nothing at all, and a sound one that speaks for another controller's motor."""
+        kind = self.malformed % 5
+        index = 2 if kind == 4 else 1
+        status = uavcan.equipment.esc.Status(voltage=99.0, rpm=-1, esc_index=index)
+        frames = frames_of(status, FIRST_CONTROLLER + 1, self.malformed % 32, 16)
         if kind == 0:
             identifier, data = frames[0]
             frames[0] = identifier, bytes([data[0] ^ 1]) + data[1:]
@@ -159,7 +158,7 @@ class Babbler:
             frames[1] = identifier, data[:-1] + bytes([data[-1] ^ 0x20])
         elif kind == 2:
             frames = frames[1:2]
-        else:
+        elif kind == 3:
             frames = [(frames[0][0], b"")]
         for identifier, data in frames:
             send(self.bus, identifier, data)
@@ -185,7 +184,6 @@ class Bench:
         self.nodes = {node.can_driver.bus: node for node in nodes}
         self.bus = raw_socket(filters=[])
         self.babbler = Babbler(raw_socket(filters=[]), speed)
-        self.impostor = Part(raw_socket(filters=[]), FIRST_CONTROLLER)
         self.armed_ticks = 0
         self.fixes = 0
         self.later: list[tuple[float, Any]] = []
@@ -244,14 +242,14 @@ class Bench:
         self.controllers[2].is_silent = True
 
     def die(self) -> None:
+        """Its motor stops, too."""
         self.controllers[2].is_dead = True
 
     def babble(self) -> None:
-        self.babbler.begin(1.0)
+        self.babbler.begin(1.0, STRANGER)
 
-    def impersonate(self) -> None:
-        """A controller speaks for another one's motor."""
-        self.impostor.send(uavcan.equipment.esc.Status(voltage=12.0, rpm=1, esc_index=3))
+    def babble_of_controller(self) -> None:
+        self.babbler.begin(2.0, FIRST_CONTROLLER + 1)
 
     def bus_off(self) -> None:
         send(self.bus, socket.CAN_ERR_FLAG | BUS_OFF, bytes(8))
@@ -262,12 +260,12 @@ class Bench:
         self.after(0.05, lambda: set_flags(self.bus, IFF_UP))
 
 
-def main(program: str, log: str, truth: str, speed: str, *faults: str) -> None:
+def main(program: str, log: str, truth: str, speed: str, seconds: str, *faults: str) -> None:
     bench = Bench(float(speed))
     waiting = [(float(when), name) for name, when in (fault.split("@") for fault in faults)]
     command = [program, "--can", BUS, "--can-parts", PLANT, "--speed", speed]
     with subprocess.Popen(
-        [*command, "--log", log, "--truth", truth, "--duration", "20"],
+        [*command, "--log", log, "--truth", truth, "--duration", seconds],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
