@@ -109,7 +109,7 @@ class Controller:
 
 @dataclass
 class Babbler:
-    """Fills the bus: most urgent frames of a node, and what a controller might send that is broken."""
+    """Fills the bus: most urgent frames of a node, and broken ones of a controller."""
 
     bus: socket.socket
     speed: float

@@ -1,4 +1,5 @@
 // Levels as threads: order inside a level, pends that must not get lost, releases, start and end.
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <thread>
@@ -95,6 +96,31 @@ TEST_F(LevelTest, every_release_is_served_or_counted) {
     EXPECT_EQ(activations + testing::timer_state.missed, testing::timer_state.fires.load());
     // Absolute: those of 0 to 200 ms, whatever was late; some more until it had ended.
     EXPECT_GE(testing::timer_state.fires.load(), 201U);
+}
+
+// Releases, sleeps and the end all follow the slower clock: of 100 ms of the machine, no more than 20
+// have passed for the graph.
+TEST_F(LevelTest, a_slower_clock_is_slower_in_all) {
+    constexpr double kSpeed = 0.2;
+    jobs[4] = [&] {
+        if (!served_now(testing::timer_state, 1000)) return;
+        EXPECT_LE(nominal_time_us(testing::timer_state, 1000, 0), clock_us());
+    };
+    const auto begin = std::chrono::steady_clock::now();
+    const auto most_us = [&] {
+        const auto passed = std::chrono::steady_clock::now() - begin;
+        return kSpeed * std::chrono::duration<double, std::micro>(passed).count();
+    };
+    ASSERT_TRUE(start({.speed = kSpeed}));
+    sleep_until_us(10'000);
+    EXPECT_GE(clock_us(), 10'000U);
+    EXPECT_LE(static_cast<double>(clock_us()), most_us());
+    EXPECT_EQ(wait_until(20'000), Ending::kTime);
+    EXPECT_GE(clock_us(), 20'000U);
+    EXPECT_LE(static_cast<double>(clock_us()), most_us());
+    EXPECT_TRUE(finish());
+    EXPECT_GE(testing::timer_state.fires.load(), 21U);
+    EXPECT_LE(static_cast<double>(testing::timer_state.fires.load()), most_us() * 1e-3 + 1.0);
 }
 
 TEST_F(LevelTest, what_is_pending_at_the_end_still_runs) {
