@@ -9,10 +9,10 @@
 
 namespace stator {
 
-// Runs at a fixed period. Waits for a position, and for all motor controllers, before it arms. Where
-// one of these goes on the ground it disarms and waits again; in flight it lands: straight down
-// while there is a position, by velocity alone while there is none. Once disarmed after a landing it
-// stays so.
+// Runs at a fixed period. Waits for a position, and for all motor controllers, before it arms.
+// Where one of these goes on the ground it disarms and waits again; in flight it lands: straight
+// down while there is a position, by velocity alone while there is none. Once disarmed after a
+// landing it stays so.
 class Sequence {
   public:
     void step(SequencePorts& ports);

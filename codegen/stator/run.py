@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import signal
 import subprocess
@@ -21,7 +22,6 @@ from stator.flight_arguments import (
     is_windy,
     rates_of,
     recording_of,
-    speed_of,
 )
 from stator.flight_facts import default_log, facts_of
 from stator.flight_report import flight_rows, log_row, show
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 RESTART = 3  # of the program: boards/linux/main.cpp
 LEAST_LIFE_S = 0.1
+LEAST_SPEED = 0.001
 SIGNALLED = 128  # and the number of the signal
 MOST_CPUS = 64
 OWN_FACTS = (
@@ -52,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_flight_arguments(parser, board="linux", what="a board of threads")
     parser.add_argument(
         "--speed",
-        type=speed_of,
+        type=slow_speed_of,
         default=1.0,
         metavar="FACTOR",
         help="how fast the graph's clock runs, at most 1: under a debugger, valgrind or a "
@@ -61,12 +62,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--can", metavar="INTERFACE", help="the CAN interface behind the device can1, such as can0"
     )
-    parser.add_argument(
+    parts = parser.add_mutually_exclusive_group()
+    parts.add_argument(
         "--no-can-parts",
         action="store_true",
         help="the motor controllers and the receiver on the CAN bus are real: simulate none",
     )
-    parser.add_argument(
+    parts.add_argument(
         "--can-parts",
         metavar="INTERFACE",
         help="simulate them on another interface than the vehicle's: a program of yours, or a "
@@ -85,6 +87,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=cpus_of,
         metavar="LIST",
         help="the processors that the graph may use, such as 1 or 0,2-3 (default: all)",
+    )
+
+
+def slow_speed_of(text: str) -> float:
+    with contextlib.suppress(ValueError):
+        if LEAST_SPEED <= float(text) <= 1.0:
+            return float(text)
+    raise argparse.ArgumentTypeError(
+        f"'{text}' is no factor from {LEAST_SPEED} to 1: threads run in real time or slower; "
+        "./stator fly simulates as fast as the machine can"
     )
 
 
@@ -173,6 +185,8 @@ def _flies(arguments: argparse.Namespace) -> bool:
         )
     if arguments.can is not None and not has_can:
         raise UserError(f"error: {arguments.graph.stem} has no device can1\nhint: leave out --can")
+    if arguments.can_parts is not None and arguments.can is None:
+        raise UserError("error: --can-parts without a bus of the vehicle\nhint: add --can vcan0")
     has_motors = any(task.node.device == "motors" for task in tasks)
     return is_judged(arguments) and (has_motors or not arguments.no_can_parts)
 
@@ -277,8 +291,9 @@ def _run_rows(facts: dict[str, Any]) -> list[tuple[str, str]]:
     missed = f"{facts['missed_samples']} of devices, {facts['missed_releases']} releases"
     load = sum(level["load"] for level in facts["levels"])
     worst = max(facts["levels"], key=lambda level: level["worst_release_us"])
+    pace = "in real time" if facts["speed"] == 1.0 else f"at {facts['speed']:g} of real time"
     rows = [
-        ("run", f"{facts['duration_s']:.1f} s in real time; {facts['activations']:,} activations"),
+        ("run", f"{facts['duration_s']:.1f} s {pace}; {facts['activations']:,} activations"),
         ("lost", f"{facts['lost_samples']} samples; missed as the machine was busy: {missed}"),
         ("load", f"{100 * load:.1f} % of one processor, {len(facts['levels'])} levels"),
     ]

@@ -78,6 +78,30 @@ def test_what_is_not_allowed_is_told(tmp_path: Path) -> None:
     assert "ulimit -r" in first["remedy"]
 
 
+@pytest.mark.usefixtures("program")
+def test_a_slower_clock_is_told(tmp_path: Path) -> None:
+    """What the clock does is tests/runtime/pthread/level_test.cpp's."""
+    _, facts = run("--duration", "0.5", "--speed", "0.25", "-o", str(tmp_path / "slow.ulg"))
+    assert facts["speed"] == 0.25
+    assert 0.2 < facts["speed_vs_real_time"] <= 0.25
+    assert facts["duration_s"] >= 0.5
+
+
+@pytest.mark.parametrize("speed", ["2", "0", "1e-9", "nan", "fast"])
+def test_a_clock_faster_than_real_time_is_refused(
+    speed: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "--speed", speed])
+    assert ended.value.code == 2
+    assert f"'{speed}' is no factor from 0.001 to 1" in capsys.readouterr().err
+
+
+def test_parts_of_a_bus_need_a_bus(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "--can-parts", "vcan1"]) == 2
+    assert "hint: add --can vcan0" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_in_order(program: Path, tmp_path: Path, number: int) -> None:
     log = tmp_path / "ended.ulg"

@@ -19,14 +19,14 @@ from tests.drivers.can.kernel_bus import on_bus
 
 from stator import cli
 from stator.build import RECORDING, build
-from stator.flight import Truth, read_truth
+from stator.flight_log import Truth, read_truth
 from stator.library import HOME
 
 GRAPH = Path(__file__).parent / "graph" / "short_can.yaml"
 QUAD_CAN = HOME / "graph" / "quad_can.yaml"
 BENCH = "tests.flight.can_bus.bench"
-# A second of a flight takes 1.4 s of a processor on user-mode Linux, so that it is half idle.
-SPEED = 0.25
+# A second of a flight takes 1.4 s of a processor on user-mode Linux: at this speed it is half idle.
+SPEED = 0.33
 BUS_OFF, DOWN = 3, 4  # CanInterfaceStatus
 MOTOR_LOST = 3  # VehicleStatus.failsafe_event
 ARMED, LAND = 2, 18

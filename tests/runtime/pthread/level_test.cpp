@@ -98,8 +98,8 @@ TEST_F(LevelTest, every_release_is_served_or_counted) {
     EXPECT_GE(testing::timer_state.fires.load(), 201U);
 }
 
-// Releases, sleeps and the end all follow the slower clock: of 100 ms of the machine, no more than 20
-// have passed for the graph.
+// Releases, sleeps and the end all follow the slower clock: of 100 ms of the machine, no more than
+// 20 have passed for the graph.
 TEST_F(LevelTest, a_slower_clock_is_slower_in_all) {
     constexpr double kSpeed = 0.2;
     jobs[4] = [&] {
