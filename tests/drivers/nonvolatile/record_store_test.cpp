@@ -41,18 +41,18 @@ struct Step {
 // New ones, changed ones, and one that stays as it is.
 constexpr Step kSteps[]{{1, 10}, {2, 20}, {1, 11}, {3, 30}, {2, 20}, {2, 21}, {1, 12}, {3, 31}};
 
-// Keeps until power fails. What is sure to be kept then, and what may be.
+// Keeps until power fails, on top of what is there. What is sure to be kept then, and what may be.
 struct Kept {
     Contents sure;
     Contents possible;
 };
-Kept keep_all(Memory& memory) {
+Kept keep_all(Memory& memory, uint8_t more = 0) {
     Started started(memory);
-    Kept kept;
+    Kept kept{.sure = started.contents, .possible = started.contents};
     for (const Step& step : kSteps) {
-        kept.possible = kept.sure;
-        kept.possible[step.key] = step.value;
-        const auto result = started.store.keep(record_of(step.key, step.value));
+        const auto value = static_cast<uint8_t>(step.value + more);
+        kept.possible[step.key] = value;
+        const auto result = started.store.keep(record_of(step.key, value));
         if (result != Store::Keep::kKept) return kept;
         kept.sure = kept.possible;
     }
@@ -95,6 +95,21 @@ TEST_P(Cut, after_each_byte_the_old_record_or_the_new_one_is_there) {
             EXPECT_EQ(again.contents, started.contents) << cut;
             EXPECT_EQ(again.store.mended(), 0U) << cut;
         }
+    }
+}
+
+TEST_P(Cut, after_each_byte_of_a_later_start_too) {
+    for (uint64_t cut = 0; cut <= bytes_of_all(); ++cut) {
+        Memory memory;
+        keep_all(memory);
+        memory.written = 0;
+        memory.cut_after = cut;
+        memory.spoils_last = GetParam();
+        const Kept kept = keep_all(memory, 100);
+        restore_power(memory);
+        Started started(memory);
+        EXPECT_TRUE(started.contents == kept.sure || started.contents == kept.possible) << cut;
+        EXPECT_EQ(started.store.damaged(), 0U) << cut;
     }
 }
 
@@ -188,8 +203,8 @@ TEST(RecordStore, a_slot_of_another_place_does_not_count) {
     EXPECT_EQ(started.store.damaged(), 1U);
 }
 
-// In both copies of a slot.
-void put(Memory& memory, uint16_t place, uint32_t sequence, const StoredRecord& record) {
+void put_copy(Memory& memory, unsigned copy, uint16_t place, uint32_t sequence,
+              const StoredRecord& record) {
     RecordSlot slot{.sequence = sequence,
                     .key = record.key,
                     .place = place,
@@ -198,9 +213,24 @@ void put(Memory& memory, uint16_t place, uint32_t sequence, const StoredRecord& 
                     .data = record.data,
                     .crc = 0};
     slot.crc = slot.sum();
-    const auto bytes = std::bit_cast<std::array<uint8_t, RecordSlot::kBytes>>(slot);
-    memory.put(place * 32U, bytes);
-    memory.put(8192 + place * 32U, bytes);
+    memory.put(copy * 8192 + place * 32U,
+               std::bit_cast<std::array<uint8_t, RecordSlot::kBytes>>(slot));
+}
+void put(Memory& memory, uint16_t place, uint32_t sequence, const StoredRecord& record) {
+    put_copy(memory, 0, place, sequence, record);
+    put_copy(memory, 1, place, sequence, record);
+}
+
+// A disk may have done the second write alone.
+TEST(RecordStore, of_two_good_copies_the_newer_counts_whichever_it_is) {
+    for (const uint32_t second_sequence : {4U, 6U}) {
+        Memory memory;
+        put_copy(memory, 0, 0, 5, record_of(1, 50));
+        put_copy(memory, 1, 0, second_sequence, record_of(1, 60));
+        const Contents contents{{1, second_sequence == 6 ? 60 : 50}};
+        EXPECT_EQ(Started(memory).contents, contents);
+        EXPECT_EQ(Started(memory).store.mended(), 0U) << "it was at the start before";
+    }
 }
 
 // As after a start at which the one slot could not be read. Readers take what comes last.
@@ -222,6 +252,15 @@ TEST(RecordStore, of_two_slots_with_one_record_the_newer_counts) {
         const Contents contents{{1, newest}, {2, 20}};
         EXPECT_EQ(Started(memory).contents, contents) << "the other slot was free";
     }
+}
+
+TEST(RecordStore, what_is_kept_after_a_start_is_newer_than_what_was_there) {
+    Memory memory;
+    put(memory, 0, 100, record_of(1, 50));
+    ASSERT_EQ(Started(memory).store.keep(record_of(1, 51)), Store::Keep::kKept);
+    put(memory, 1, 100, record_of(1, 50));  // which could not be read at that start
+    const Contents contents{{1, 51}};
+    EXPECT_EQ(Started(memory).contents, contents);
 }
 
 TEST(RecordStore, a_full_one_refuses_new_records_and_takes_changes) {
@@ -247,6 +286,15 @@ TEST(RecordStore, what_is_there_already_is_not_written_again) {
     memory.written = 0;
     EXPECT_EQ(started.store.keep(record_of(3, 31)), Store::Keep::kKept);
     EXPECT_EQ(memory.written, 0U);
+}
+
+TEST(RecordStore, what_has_gone_bad_since_the_start_is_written_again) {
+    Memory memory;
+    keep_all(memory);
+    Started started(memory);
+    memory.bytes[2 * 32 + 29] ^= 1;  // in the checksum of the third record
+    EXPECT_EQ(started.store.keep(record_of(3, 31)), Store::Keep::kKept);
+    EXPECT_EQ(Started(memory).store.mended(), 0U);
 }
 
 TEST(RecordStore, kinds_have_keys_of_their_own) {
