@@ -353,6 +353,7 @@ def test_a_babbling_node_costs_counts_only(link: Link) -> None:
     """Of its allowed rate what is beyond is dropped; others are heard, and commands go on."""
     with raw_socket() as bus:
         good, babbler, stranger = Part(bus, 20), Part(bus, 21), Part(bus, 99)
+        wait_for_us(bus)  # else the first one that is heard may be the babbler
         for _ in range(30):
             good.send(esc_status(0))
             for _ in range(15):
