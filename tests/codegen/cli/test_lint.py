@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from stator.lint import CHECKS, cpp_files
+from stator.lint import CHECKS, TIDY_FOLDER, TIDY_PROGRAMS, cpp_files
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -34,12 +34,14 @@ DATABASE = """[{"directory": "%s", "file": "runtime/a.cpp", "command": "c++ -c r
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     root = tmp_path / "a b"
-    for folder in ("runtime", "codegen/stator", "build/lint"):
+    for folder in ("runtime", "codegen/stator"):
         (root / folder).mkdir(parents=True)
     for settings in (".clang-format", ".clang-tidy", "pyproject.toml"):
         (root / settings).symlink_to(ROOT / settings)
     (root / "codegen" / "bootstrap.py").touch()
-    (root / "build" / "lint" / "compile_commands.json").write_text(DATABASE % root)
+    for program in TIDY_PROGRAMS:
+        (root / TIDY_FOLDER / program).mkdir(parents=True)
+        (root / TIDY_FOLDER / program / "compile_commands.json").write_text(DATABASE % root)
     return root
 
 
