@@ -14,7 +14,7 @@ namespace {
 
 constexpr uint64_t kBrokenPause_us = 10'000;
 constexpr unsigned kMostEvents = 16;  // of one look
-const int epoll = epoll_create1(EPOLL_CLOEXEC);
+const int kEpoll = epoll_create1(EPOLL_CLOEXEC);
 
 }  // namespace
 
@@ -47,7 +47,7 @@ bool Line::watch(int fd, uint32_t events) {
 
 void Line::unwatch() {
     const int fd = fd_.exchange(-1, std::memory_order_acq_rel);
-    if (fd >= 0) epoll_ctl(epoll, EPOLL_CTL_DEL, fd, nullptr);
+    if (fd >= 0) epoll_ctl(kEpoll, EPOLL_CTL_DEL, fd, nullptr);
 }
 
 // For one event: what comes in before the task has run again raises nothing. A descriptor that went
@@ -58,7 +58,7 @@ bool Line::arm(int operation) {
     epoll_event event{};
     event.events = events_.load(std::memory_order_relaxed) | EPOLLONESHOT;
     event.data.ptr = this;
-    return epoll_ctl(epoll, operation, fd, &event) == 0;
+    return epoll_ctl(kEpoll, operation, fd, &event) == 0;
 }
 
 // Waits for descriptors, raises their lines, and keeps those that have to wait.
@@ -68,7 +68,7 @@ class LineThread {
         wait_at_gate();
         epoll_event events[kMostEvents];
         for (;;) {
-            const int count = epoll_wait(epoll, events, kMostEvents, timeout_ms());
+            const int count = epoll_wait(kEpoll, events, kMostEvents, timeout_ms());
             for (int i = 0; i < count; ++i) {
                 if (events[i].data.ptr == nullptr) return;  // the event that stops it
                 take(*static_cast<Line*>(events[i].data.ptr), events[i].events);
@@ -133,7 +133,7 @@ bool start_lines() {
     epoll_event event{};
     event.events = EPOLLIN;
     event.data.ptr = nullptr;
-    if (stop_event < 0 || epoll_ctl(epoll, EPOLL_CTL_ADD, stop_event, &event) != 0) return false;
+    if (stop_event < 0 || epoll_ctl(kEpoll, EPOLL_CTL_ADD, stop_event, &event) != 0) return false;
     const auto run = [](void* object) { static_cast<LineThread*>(object)->run(); };
     return make_device_thread(thread, "lines", run, &line_thread);
 }

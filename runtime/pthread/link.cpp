@@ -33,7 +33,8 @@ uint32_t copy_newest(const Topic& topic, uint8_t* to, size_t bytes) {
     const Pin& kept = topic.state->kept[current_level];
     Pin pin;
     if (!take_latest(topic, kept.is_kept ? kept.number : 0, pin)) return 0;
-    std::memcpy(to, static_cast<const uint8_t*>(topic.samples) + pin.slot * topic.sample_bytes,
+    std::memcpy(to,
+                static_cast<const uint8_t*>(topic.samples) + size_t{pin.slot} * topic.sample_bytes,
                 bytes);
     release(topic, pin);
     return pin.number;

@@ -1,12 +1,12 @@
 // Threads, and what real time needs of the machine for them: a real-time priority, memory that
 // stays, chosen processors. What it does not grant is noted, with what that costs; the graph runs
 // all the same.
-#include <limits.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 
 #include <cerrno>
+#include <climits>
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
@@ -20,8 +20,8 @@ namespace {
 
 // Of the kernel's 1 to 99: under the threads of interrupts, which are at 50 on a PREEMPT_RT kernel.
 constexpr int kPriorityOfLevel1 = 11;
-constexpr std::size_t kStackBytes = 512 * 1024;
-constexpr std::size_t kTouchedBytes = 64 * 1024;  // of each stack
+constexpr std::size_t kStackBytes = std::size_t{512} * 1024;
+constexpr std::size_t kTouchedBytes = std::size_t{64} * 1024;  // of each stack
 constexpr std::size_t kPageBytes = 4096;
 
 std::vector<Refusal> refused;
