@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "get_set.hpp"
 #include "stator/dronecan/port.hpp"
 
 namespace stator {
@@ -19,6 +20,7 @@ constexpr std::string_view kName = "org.stator.vehicle";
 constexpr uint64_t kStatusPeriod_us = 1'000'000;
 // Since the start. The memory takes less than a second.
 constexpr uint64_t kLongestLoad_us = 10'000'000;
+constexpr uint64_t kParameterPatience_us = 500'000;  // who asks waits for a second, as a rule
 constexpr unsigned kFramesPerRelease = 4;
 constexpr uint8_t kStatusPriority = 16;
 constexpr uint8_t kMostUrgentAnswer = 16;  // whoever asks must not hold up the motors' commands
@@ -69,12 +71,16 @@ bool DronecanNode::read(Message& message) {
 // priority.
 template <class Response>
 void DronecanNode::respond(const Response& response) {
+    respond(receiver_.header(), receiver_.transfer_id(), response);
+}
+template <class Response>
+void DronecanNode::respond(const dronecan::Header& request, uint8_t transfer_id,
+                           const Response& response) {
     if (response_sender_.is_busy()) return;
-    const dronecan::Header& request = receiver_.header();
     response_sender_.begin({.priority = std::max(request.priority, kMostUrgentAnswer),
                             .source = node_id_,
                             .destination = request.source},
-                           receiver_.transfer_id(), response);
+                           transfer_id, response);
 }
 
 // The status was taken before the records are read here, so that once it says that all are loaded,
@@ -141,12 +147,23 @@ void DronecanNode::handle_restart_request(DronecanNodePorts& ports) {
     if (granted) ports.restart.publish([&] { return RestartRequest{.source = source}; });
 }
 
-void DronecanNode::handle_parameter_request(const DronecanNodePorts& ports) {
+void DronecanNode::handle_parameter_request(DronecanNodePorts& ports) {
     GetSet::Request request;
-    if (!read(request)) return;
-    const bool may_write = receiver_.header().source == tool_ && is_disarmed(ports);
-    respond(ParameterServer::answer(request, params_, may_write));
-    configure(params_);
+    if (!read(request) || ports.now < asked_until_us_) return;
+    if (!ports.request.is_connected()) return respond(GetSet::Response{});
+    asked_until_us_ = ports.now + kParameterPatience_us;
+    asked_ = receiver_.header();
+    asked_id_ = receiver_.transfer_id();
+    ++tag_;
+    const bool may_write = asked_.source == tool_ && is_disarmed(ports);
+    ports.request.publish([&] { return to_request(request, tag_, may_write); });
+}
+
+void DronecanNode::answer_parameter_request(const ParameterValue& value) {
+    const bool is_ours = value.requester == ParameterValue::Requester::kCan && value.tag == tag_;
+    if (!is_ours || asked_until_us_ == 0) return;
+    asked_until_us_ = 0;
+    respond(asked_, asked_id_, to_response(value));
 }
 
 void DronecanNode::handle(DronecanNodePorts& ports) {
@@ -180,11 +197,9 @@ void DronecanNode::send_waiting(DronecanNodePorts& ports) {
 }
 
 void DronecanNode::step(DronecanNodePorts& ports) {
-    if (ports.params.is_new()) {
-        params_ = *ports.params;
-        configure(params_);
-    }
+    if (ports.params.is_new()) configure(*ports.params);
     read_memory(ports);
+    while (ports.parameter.next()) answer_parameter_request(*ports.parameter);
     while (ports.can.next()) receive(ports);
     if (ports.now >= next_status_us_) {
         next_status_us_ = ports.now + kStatusPeriod_us;

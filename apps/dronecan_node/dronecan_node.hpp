@@ -5,20 +5,20 @@
 #include "allocator.hpp"
 #include "dronecan/protocol/get_node_info.hpp"
 #include "dronecan/protocol/node_status.hpp"
+#include "dronecan/protocol/param/get_set.hpp"
 #include "dronecan/protocol/restart_node.hpp"
 #include "dronecan_node_ports.hpp"
-#include "parameter_server.hpp"
 #include "stator/dronecan/receiver.hpp"
 #include "stator/dronecan/sender.hpp"
 
 namespace stator {
 
 // Sends at most 4 frames in each activation, by a timer, so that a long answer leaves room on
-// the bus. One answer at a time: what is asked meanwhile goes unanswered, and whoever asked asks
-// again. Without a status the vehicle counts as armed: then nothing can be changed, and no id is
-// given away. Ids that were given away come back from the memory for records, if the graph has one;
-// until it has told all, none is given away. If it does not, the table is in this node alone, and
-// NodeStatus warns.
+// the bus. One answer at a time, and one question about a parameter: what is asked meanwhile goes
+// unanswered, and whoever asked asks again. Without a status the vehicle counts as armed: then
+// nothing can be changed, and no id is given away. Ids that were given away come back from the
+// memory for records, if the graph has one; until it has told all, none is given away. If it does
+// not, the table is in this node alone, and NodeStatus warns.
 class DronecanNode {
   public:
     DronecanNode();
@@ -40,25 +40,33 @@ class DronecanNode {
     void handle_allocation(DronecanNodePorts& ports);
     void handle_info_request(uint64_t now_us);
     void handle_restart_request(DronecanNodePorts& ports);
-    void handle_parameter_request(const DronecanNodePorts& ports);
+    void handle_parameter_request(DronecanNodePorts& ports);
+    void answer_parameter_request(const ParameterValue& value);
     NodeStatus status(uint64_t now_us) const;
     void send_waiting(DronecanNodePorts& ports);
     template <class Message>
     bool read(Message& message);
     template <class Response>
     void respond(const Response& response);
+    template <class Response>
+    void respond(const dronecan::Header& request, uint8_t transfer_id, const Response& response);
 
     dronecan::Receiver<kSessions, kMostRequest> receiver_;
     Allocator allocator_;
     dronecan::Sender<NodeStatus::kType.most_bytes> status_sender_;
     dronecan::Sender<Allocator::Message::kType.most_bytes> allocation_sender_;
     dronecan::Sender<GetNodeInfo::Response::kType.most_bytes> response_sender_;
-    DronecanNodeParams params_{};  // the graph's, and what a tool wrote since
     std::array<uint8_t, 4> serial_number_{};
     uint64_t next_status_us_ = 0;
     bool may_give_ids_ = false;
     bool misses_records_ = false;
     bool memory_is_bad_ = false;
+    // A request about a parameter that has no answer yet: until when one is waited for, and whose
+    // it is.
+    uint64_t asked_until_us_ = 0;
+    dronecan::Header asked_;
+    uint8_t asked_id_ = 0;
+    uint8_t tag_ = 0;
     uint8_t node_id_ = 0;
     uint8_t tool_ = 0;
     uint8_t status_id_ = 0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 
 namespace stator {
@@ -24,6 +25,7 @@ void Logger::step(LoggerPorts& ports) {
     if (write_definitions(ports)) {
         write_events(ports);
         write_samples(ports);
+        if (ports.log->changes != nullptr) write_changes(ports, *ports.log->changes);
         if (ports.log->recording != nullptr) write_recording(ports);
     }
     if (ports.now - flushed_us_ >= kFlushInterval_us) flush(ports);
@@ -106,6 +108,37 @@ void Logger::write_parameter(LoggerPorts& ports, const LogParameter& parameter) 
         write(ports, &parameter.float_value, sizeof parameter.float_value);
     } else {
         write(ports, &parameter.int32_value, sizeof parameter.int32_value);
+    }
+}
+
+// Behind the samples: readers of a log take a change to be as old as the newest sample before it.
+void Logger::write_changes(LoggerPorts& ports, const LogChanges& changes) {
+    for (uint32_t i = 0; i < changes.table->topic_count && has_room(); ++i) {
+        const Topic& topic = *changes.table->topics[i].topic;
+        Pin pin;
+        if (!has_unread(topic, changes.seen[i])) continue;
+        if (!take_latest(topic, changes.seen[i], pin)) continue;
+        const auto* samples = static_cast<const std::byte*>(topic.samples);
+        write_changes_of(ports, changes, i, samples + size_t{pin.slot} * topic.sample_bytes);
+        changes.seen[i] = number_of(topic, pin);
+        release(topic, pin);
+    }
+}
+
+void Logger::write_changes_of(LoggerPorts& ports, const LogChanges& changes, uint32_t topic,
+                              const void* sample) {
+    for (uint32_t i = 0; i < changes.table->row_count; ++i) {
+        const ParameterRow& row = changes.table->rows[i];
+        if (row.topic != topic) continue;
+        const ParameterBits value = read_parameter(row, sample);
+        const ParameterBits before = changes.seen[topic] == 0 ? row.standard : changes.logged[i];
+        changes.logged[i] = value;
+        if (value == before) continue;
+        const bool is_float = row.type == ParameterType::kFloat;
+        write_parameter(ports, {.name = row.name,
+                                .is_float = is_float,
+                                .float_value = is_float ? std::bit_cast<float>(value) : 0.0F,
+                                .int32_value = std::bit_cast<int32_t>(value)});
     }
 }
 

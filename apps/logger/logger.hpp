@@ -29,6 +29,9 @@ class Logger {
     void write_subscription(LoggerPorts& ports, uint16_t id);
     void write_format(LoggerPorts& ports, const LogTopic& row);
     void write_parameter(LoggerPorts& ports, const LogParameter& parameter);
+    void write_changes(LoggerPorts& ports, const LogChanges& changes);
+    void write_changes_of(LoggerPorts& ports, const LogChanges& changes, uint32_t topic,
+                          const void* sample);
     void write_info(LoggerPorts& ports, const char* key, const char* text);
     void write_events(LoggerPorts& ports);
     void write_samples(LoggerPorts& ports);

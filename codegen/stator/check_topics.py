@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stator.check_cycles import check_cycles
+from stator.check_params import check_params_publisher
 from stator.diagnostics import Mark, Report, beside
 from stator.language import DEPTHS, MOST_LOGGED_BYTES
 from stator.model import Message, Node, NodeOutput, Topic, TopicConfig
@@ -26,6 +27,7 @@ def connect(record: Record, nodes: Nodes, report: Report) -> dict[str, Topic]:
         for name, value in items(record, "topics")
     }
     _check_loggers(nodes.good, report)
+    check_params_publisher(nodes.good, report)
     modes_of = _modes_of(record)
     outputs, readers = _outputs(nodes.good), _readers(nodes.good)
     topics: dict[str, Topic] = {}

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import jinja2
 
 from stator import emit_cortex_m as cortex_m
+from stator import emit_parameters as params
 from stator import emit_pthread as pthread
 from stator import emit_recording as recording
 from stator import emit_rows as rows
@@ -36,7 +37,7 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
     record = record and recording.is_recordable(plan)
     graph = _start(plan.graph.file)
     tasks = [emit_tasks.task(plan, task) for task in plan.tasks]
-    parameters = rows.parameters(plan)
+    parameters = params.start_values(plan)
     recorded = recording.task_rows(plan) if record else {}
     for row in (*tasks, *parameters):
         row["recorded"] = recorded.get(row["name"] if "name" in row else row["topic"])
@@ -47,6 +48,9 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
     for task in tasks:
         files[f"tasks/{task['name']}.cpp"] = _render("task.cpp.j2", task["mark"], task=task)
     files["parameters.cpp"] = _render("parameters.cpp.j2", graph, nodes=parameters)
+    table = params.table(plan)
+    if table is not None:
+        files["parameter_table.cpp"] = _render("parameter_table.cpp.j2", graph, table=table)
     if plan.graph.modes is not None:
         files["modes.cpp"] = _render(
             "modes.cpp.j2", graph, modes=rows.modes(plan) | {"recorded": record}
@@ -57,6 +61,7 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
             "log_table.cpp.j2",
             graph,
             log=log,
+            params=table,
             graph=plan.graph.name,
             hash=graph_hash(plan),
             recording=record,
@@ -89,7 +94,11 @@ def emit_replay(plan: Plan) -> dict[str, str]:
         {"name": topic.name, "floats": rows.log_floats(topic.message)}
         for topic in plan.topics.values()
     ]
-    parameters = rows.parameters(plan)
+    parameters = params.start_values(plan)
+    table = params.table(plan)
+    if table is not None:
+        table = table | {"topics": []}  # those of a recording are bytes
+        files["parameter_table.cpp"] = _render("parameter_table.cpp.j2", graph, table=table)
     files["replay_tasks.hpp"] = _render("replay_tasks.hpp.j2", graph, tasks=tasks)
     for task in tasks:
         files[f"tasks/{task['name']}.cpp"] = _render("replay_task.cpp.j2", task["mark"], task=task)

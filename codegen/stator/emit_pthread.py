@@ -46,7 +46,7 @@ def program(plan: Plan) -> Row:
 def depth(plan: Plan, topic: TopicPlan) -> int:
     """As planned; but a reader that outranks its publisher does not run inside the publication
     here, so that the burst of one activation is to be held for it, too."""
-    if not topic.publishers or plan.graph.topics[topic.name].config.depth is not None:
+    if topic.owner or plan.graph.topics[topic.name].config.depth is not None:
         return topic.depth
     bursts = [
         output.port.burst
@@ -63,7 +63,9 @@ def slots(plan: Plan, topic: TopicPlan) -> int:
     told of. docs/topics.md has the argument."""
     held = {(name, _hold(plan, name, port)) for name, port in topic.readers}
     held |= {(name, "loan") for name in topic.publishers}
-    if topic.log_us is not None:
+    if topic.owner:
+        held |= {(name, "latest") for name in topic.publishers}
+    if topic.log_us is not None or (topic.owner and topic.publishers):
         kind = "next" if topic.log_us == 0 else "latest"
         held |= {(t.node.name, kind) for t in plan.tasks if t.node.interface.reads_log}
     modes = plan.graph.modes

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from stator import emit_rows
+from stator import emit_parameters, emit_rows
 from stator.model import TYPES
 from stator.names import upper_camel
 from stator.rates import Rates
@@ -46,6 +46,7 @@ class Recorded:
     level: int
     inputs: tuple[Port, ...]
     outputs: tuple[Port, ...]
+    params: tuple[Port, ...]  # outputs, too: parameters that it publishes
     timers: int
     lines: tuple[str, ...]
 
@@ -60,7 +61,7 @@ def recorded_tasks(plan: Plan) -> list[Recorded]:
     for topic in plan.topics.values():
         if topic.owner:
             port = Port("params", topic.name, "whole", 1, topic.message)
-            tasks.append(Recorded(topic.name, "parameters", START_LEVEL, (), (port,), 0, ()))
+            tasks.append(Recorded(topic.name, "parameters", START_LEVEL, (), (port,), (), 0, ()))
     return tasks
 
 
@@ -79,19 +80,24 @@ def _of_task(plan: Plan, task: Task) -> Recorded:
     outputs = [
         Port(key, o.topic, how, 0, plan.topics[o.topic].message) for key, o in node.outputs.items()
     ]
+    params = [
+        Port(row["topic"], row["topic"], how, 0, plan.topics[row["topic"]].message)
+        for row in emit_parameters.published(plan, node)
+    ]
     numbered = [
         Port(port.name, port.topic, port.kind, tag, port.message)
-        for tag, port in enumerate((*inputs, *outputs), start=1)
+        for tag, port in enumerate((*inputs, *outputs, *params), start=1)
     ]
     timers = sum(1 for t in node.triggers if t.kind == "every")
     lines = tuple(t.name for t in node.triggers if t.kind == "irq")
-    split = len(inputs)
+    split, end = len(inputs), len(inputs) + len(outputs)
     return Recorded(
         node.name,
         kind,
         task.level,
         tuple(numbered[:split]),
-        tuple(numbered[split:]),
+        tuple(numbered[split:end]),
+        tuple(numbered[end:]),
         timers,
         lines,
     )
@@ -106,7 +112,9 @@ def definitions(plan: Plan, file: str) -> list[str]:
         lines.append("modes " + " ".join(plan.graph.modes.sets))
     tasks = recorded_tasks(plan)
     messages = {
-        port.topic: port.message for task in tasks for port in (*task.inputs, *task.outputs)
+        port.topic: port.message
+        for task in tasks
+        for port in (*task.inputs, *task.outputs, *task.params)
     }
     lines += [f"topic {name} {layout(message)}" for name, message in messages.items()]
     lines += [task_line(task) for task in tasks]
@@ -125,7 +133,7 @@ def layout(message: Message) -> str:
 def task_line(task: Recorded) -> str:
     ports = [
         ",".join(f"{port.name}:{port.topic}:{port.kind}" for port in side) or "-"
-        for side in (task.inputs, task.outputs)
+        for side in (task.inputs, (*task.outputs, *task.params))
     ]
     return f"task {task.name} {task.level} {task.kind} {ports[0]} {ports[1]} {task.timers}"
 
@@ -154,6 +162,7 @@ def _task_row(plan: Plan, index: int, task: Recorded) -> Row:
         "fired": " | ".join(fired) or "0",
         "inputs": [port_row(port) | {"age": _age(plan, task, port)} for port in task.inputs],
         "outputs": [port_row(port) for port in task.outputs],
+        "params": [port_row(port) for port in task.params],
         "starts": [p.name for p in task.inputs if p.kind in ("trigger", "queue")],
     }
 
@@ -245,7 +254,7 @@ def _record_bytes(plan: Plan, task: Recorded, rates: Rates) -> Fraction:
         content = {"whole": port.message.bytes, "crc": CRC_BYTES, "stamp": 0}[port.kind]
         burst = 1 if node is None else node.outputs[port.name].port.burst
         total += burst * (TAKE_BYTES + content)
-    return total
+    return total + (TAKE_BYTES + CRC_BYTES if task.params else 0)  # one node's at a time
 
 
 def _power_of_two(size: Fraction) -> int:

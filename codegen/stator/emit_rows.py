@@ -193,7 +193,7 @@ def topic(plan: Plan, planned: TopicPlan) -> Row:
     }
 
 
-# --- parameters, modes, log ---
+# --- modes, log ---
 
 
 def literal(value: Value) -> str:
@@ -202,23 +202,6 @@ def literal(value: Value) -> str:
     if isinstance(value, Fraction):
         return f"{float(value)!r}F"
     return str(value)
-
-
-def parameters(plan: Plan) -> list[Row]:
-    result = []
-    for node in plan.graph.nodes.values():
-        message = node.interface.params_message
-        if message is not None:
-            result.append(
-                {
-                    "topic": f"{node.name}_params",
-                    "message": message.name,
-                    "values": [
-                        {"name": key, "value": literal(value)} for key, value in node.params.items()
-                    ],
-                }
-            )
-    return result
 
 
 def modes(plan: Plan) -> Row:

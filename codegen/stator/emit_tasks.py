@@ -36,7 +36,7 @@ def task(plan: Plan, planned: Task) -> Row:
     inputs = [_input(plan, planned, key, keeps_now, is_gated) for key in node.inputs]
     kinds = {kind: [i for i in inputs if i["kind"] == kind] for kind in _KINDS}
     if interface.params:
-        kinds["latest"].append(_params(node))
+        kinds["latest"].append(_params(plan, planned))
     row = {
         "name": node.name,
         "mark": node.mark,
@@ -69,6 +69,7 @@ def task(plan: Plan, planned: Task) -> Row:
             for key, o in node.outputs.items()
         ],
         "reads_log": interface.reads_log,
+        "publishes_params": interface.publishes_params,
         "is_replayed": device is None and not interface.reads_log,
         "keeps_now": keeps_now,
         "is_gated": is_gated,
@@ -153,18 +154,23 @@ def _input(plan: Plan, planned: Task, key: str, keeps_now: bool, is_gated: bool)
     }
 
 
-def _params(node: Node) -> Row:
-    """Published once, before anything runs."""
-    topic = f"{node.name}_params"
-    take = f"take_latest(topics::{topic}, state.params_number, ports.now, kNoAgeLimit, false)"
+def _params(plan: Plan, planned: Task) -> Row:
+    """Published before anything runs."""
+    topic = f"{planned.node.name}_params"
+    tail = "" if _is_outranked(plan, planned, topic) else ", kNoAgeLimit, false"
+    take = f"take_latest(topics::{topic}, state.params_number, ports.now{tail})"
     return {"name": "params", "topic": topic, "kind": "latest", "take": f"ports.params.{take};"}
 
 
 def _is_outranked(plan: Plan, planned: Task, topic: str) -> bool:
     """Whether the topic may be published while the task reads it."""
     publishers = plan.topics[topic].publishers
-    return plan.board.executor not in NESTING or any(
-        name == planned.node.name or plan.task(name).level > planned.level for name in publishers
+    return bool(publishers) and (
+        plan.board.executor not in NESTING
+        or any(
+            name == planned.node.name or plan.task(name).level > planned.level
+            for name in publishers
+        )
     )
 
 

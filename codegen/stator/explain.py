@@ -117,7 +117,7 @@ def _topic(plan: Plan, topic: TopicPlan) -> list[Row]:
     publishers = ", ".join(map(with_level, topic.publishers))
     return [
         ("message", f"{topic.message.name}, {topic.message.bytes} bytes"),
-        ("from", publishers or f"the parameters of {topic.owner}"),
+        ("from", publishers or "the start: parameters are fixed"),
         ("read by", ", ".join(with_level(name) for name, _ in topic.readers) or "nobody"),
         ("at most every", _period(topic.period_us)),
         ("depth", str(topic.depth)),

@@ -17,6 +17,8 @@ MOST_SLOTS = 32
 MOST_TIMERS = 32  # of one node: a bit each in what woke it
 MOST_MODES = 255
 MOST_LOGGED_BYTES = 1000  # of a message; a block of the log holds no more
+MOST_PARAM_NODES = 200  # whose parameters one node publishes; each is a port of its recording
+MOST_PARAM_NAME = 92  # bytes of NODE.PARAMETER in messages, as DroneCAN has it
 
 MESSAGE_NAME = Text(
     "[A-Z][A-Za-z0-9]{0,62}",
@@ -207,6 +209,7 @@ PARAM = Struct(
         "unit": Key(UNIT, 'Unit of the value; "1" for none.'),
         "range": Key(Listing(Raw(), least=2, most=2), "Least and most."),
         "default": Key(Raw(), "The value if the graph says nothing.", required=True),
+        "fixed": Key(Boolean(), "It cannot be changed while the graph runs."),
         "doc": Key(Text(), "What it does.", required=True),
     }
 )
@@ -225,6 +228,9 @@ INTERFACE = Struct(
             "The file of a failsafe table, which becomes failsafe_table.hpp.",
         ),
         "reads_log": Key(Boolean(), "The node reads every logged topic through a generated table."),
+        "publishes_params": Key(
+            Boolean(), "The node changes and publishes the parameters of all nodes."
+        ),
     }
 )
 

@@ -75,6 +75,7 @@ class Param:
     most: Fraction | None
     default: Value
     doc: str
+    is_fixed: bool = False  # while the graph runs
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,7 @@ class Interface:
     outputs: dict[str, Port]
     params: dict[str, Param]
     reads_log: bool
+    publishes_params: bool
     failsafe: Failsafe | None
     params_message: Message | None
 

@@ -18,7 +18,7 @@ _RUNTIME = frozenset("std stator now fired params timestamp main step".split())
 # Namespaces and functions that generated code names without qualification beside nodes and topics,
 # its own header files, and CMake targets.
 _GENERATED = frozenset(
-    """tasks topics lines board boards modes math testing messages parameters executor log_table
+    """tasks topics lines board boards modes math testing messages executor log_table
     interfaces generated all_slots served_now later nominal_time_us set_pending clear_pending
     has_unread count_activation lost_samples preempt take_latest release""".split()
 )
@@ -32,7 +32,8 @@ _TYPES = frozenset(
     Params Ports Fired Device SharedTime Interrupt Register Level LevelFacts Lock Mutex
     Ending PendingWord Refusal RingEntry Settings SlotState Activation ActivationRing FaultRecord
     FrameReader KeptRecord Link LogEvent LogEvents ModeGate TickSource Transport WatchState
-    Watched""".split()
+    Watched ParameterPort ParameterRow ParameterRows ParameterTable ParameterTopic
+    ParameterType""".split()
 )
 
 

@@ -23,7 +23,7 @@ LOG_ELSE_US = 20_000  # others at 50 Hz
 class TopicPlan:
     name: str
     message: Message
-    publishers: tuple[str, ...]  # none: the parameters of a node, published at the start
+    publishers: tuple[str, ...]  # none: parameters, which are published at the start only
     readers: tuple[tuple[str, str], ...]
     owner: str  # the node whose parameters these are; empty for the graph's own topics
     depth: int
@@ -42,15 +42,31 @@ def plan_topics(
     plans: dict[str, TopicPlan] = {}
     for topic in graph.topics.values():
         plans[topic.name] = _topic(graph, topic, levels, rates, logger, report)
+    publisher = next((n for n in graph.nodes.values() if n.interface.publishes_params), None)
     for node in graph.nodes.values():
         message = node.interface.params_message
         if message is None:
             continue
-        name = f"{node.name}_params"
-        plans[name] = TopicPlan(
-            name, message, (), ((node.name, "params"),), node.name, 1, 2, 0, (), None, None
-        )
+        reading = [levels[n.name] for n in (node, logger) if n is not None]
+        plans[f"{node.name}_params"] = _params(node, message, publisher, levels, reading)
     return plans
+
+
+def _params(
+    node: Node, message: Message, publisher: Node | None, levels: dict[str, int], reading: list[int]
+) -> TopicPlan:
+    """Read by the node, and where they can change, by the logger; whoever changes one reads the
+    others."""
+    name = f"{node.name}_params"
+    readers = ((node.name, "params"),)
+    if publisher is None:
+        return TopicPlan(name, message, (), readers, node.name, 1, 2, 0, (), None, None)
+    by = (publisher.name,)
+    config = TopicConfig(None, None, many_publishers=False, mark=None)
+    topic = GraphTopic(name, message, by, (*readers, (publisher.name, "")), config)
+    slots = slots_needed(topic, levels, reading, depth=1)
+    kept_by = by if max(reading) > levels[publisher.name] else ()
+    return TopicPlan(name, message, by, readers, node.name, 1, slots, 0, kept_by, None, None)
 
 
 def _topic(

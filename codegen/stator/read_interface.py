@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
     from stator.library import Library
 
 
+# What a key gives a node besides its inputs and outputs.
+GIVEN_PORTS = {"reads_log": "log", "publishes_params": "parameters"}
+
+
 def read_interface(library: Library, name: str, path: Path, *, is_app: bool) -> Interface | None:
     report = library.report
     record = library.read(path, language.INTERFACE)
@@ -33,6 +38,8 @@ def read_interface(library: Library, name: str, path: Path, *, is_app: bool) -> 
             "only a device class has lines",
             "remove the key; a driver in drivers/ does input and output",
         )
+    if record.value("publishes_params", False):
+        _check_params_publisher(record, report, is_app=is_app)
     count = len(report)
     inputs, outputs = _ports(library, record, "inputs"), _ports(library, record, "outputs")
     _check_names(record, outputs, report)
@@ -56,9 +63,21 @@ def read_interface(library: Library, name: str, path: Path, *, is_app: bool) -> 
         outputs=outputs,
         params=params,
         reads_log=record.value("reads_log", False),
+        publishes_params=record.value("publishes_params", False),
         failsafe=failsafe,
         params_message=params_message(name, params, Mark(path, 1, 1)),
     )
+
+
+def _check_params_publisher(record: Record, report: Report, *, is_app: bool) -> None:
+    """A replay runs it again, which it does with neither drivers nor the logger."""
+    if not is_app or record.value("reads_log", False):
+        report.error(
+            record.keys["publishes_params"],
+            "params-publisher",
+            "only an app can publish parameters, and not the logger",
+            "give the key to an app of its own",
+        )
 
 
 def _failsafe(library: Library, record: Record, path: Path) -> Failsafe | None:
@@ -96,14 +115,15 @@ def _check_names(record: Record, outputs: dict[str, Port], report: Report) -> No
                 f"'{name}' is an input, too",
                 "give input and output different names",
             )
-    for table in (inputs, record.get("outputs")):
-        if table is not None and record.value("reads_log", False) and "log" in table.keys:
-            report.error(
-                table.keys["log"],
-                "name-clash",
-                "`reads_log` gives the node a port 'log'",
-                "give this one another name",
-            )
+    for key, port in GIVEN_PORTS.items():
+        for table in (inputs, record.get("outputs")):
+            if table is not None and record.value(key, False) and port in table.keys:
+                report.error(
+                    table.keys[port],
+                    "name-clash",
+                    f"`{key}` gives the node a port '{port}'",
+                    "give this one another name",
+                )
 
 
 def _param(name: str, record: Record, report: Report) -> Param | None:
@@ -112,10 +132,10 @@ def _param(name: str, record: Record, report: Report) -> Param | None:
         return None
     unit, doc = record.value("unit", "1"), record.value("doc", "")
     bounds: list[Fraction | None] = [None, None]
+    param = Param(name, type_name, unit, None, None, 0, doc, record.value("fixed", False))
     written = record.get("range")
     if written is not None:
-        unbounded = Param(name, type_name, unit, None, None, 0, doc)
-        values = [read_value(unbounded, item, report, in_file=True) for item in written.value]
+        values = [read_value(param, item, report, in_file=True) for item in written.value]
         bounds = [None if value is None else Fraction(value) for value in values]
     least, most = bounds if len(bounds) == 2 else (None, None)
     if least is not None and most is not None and least > most:
@@ -123,10 +143,9 @@ def _param(name: str, record: Record, report: Report) -> Param | None:
             written.mark, "out-of-range", "the range ends before it begins", "write the least first"
         )
         return None
-    value = read_value(
-        Param(name, type_name, unit, least, most, 0, doc), default, report, in_file=True
-    )
-    return None if value is None else Param(name, type_name, unit, least, most, value, doc)
+    param = replace(param, least=least, most=most)
+    value = read_value(param, default, report, in_file=True)
+    return None if value is None else replace(param, default=value)
 
 
 def params_message(app: str, params: dict[str, Param], mark: Mark) -> Message | None:

@@ -62,6 +62,8 @@ RULES = {
     "output-twice": "one topic on two outputs of a node",
     "param-unknown": "the app has no such parameter",
     "param-range": "a parameter outside its range",
+    "params-publisher": "parameters have one publisher, an app",
+    "params-name": "a parameter whose name is too long to be asked for",
     "log-many": "more than one logger",
     "log-large": "a message too large for a block of the log",
     # failsafe tables

@@ -45,6 +45,14 @@ void Job::publish(unsigned tag, void* message, size_t bytes) {
                      .replayed = {from, from + bytes}});
 }
 
+std::vector<std::byte> Job::first_sample(unsigned tag) {
+    const Port& port = replay_->recording_.tasks[task_].ports[tag - 1];
+    std::vector<std::byte> bytes(replay_->recording_.topics[port.topic].bytes);
+    const void* from = replay_->sample(port.topic, 1);
+    if (from != nullptr) std::memcpy(bytes.data(), from, bytes.size());
+    return bytes;
+}
+
 // --- running ---
 
 void Replay::run() {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "stator/events.hpp"
+#include "stator/parameters.hpp"
 #include "stator/recording.hpp"
 #include "stator/topic.hpp"
 
@@ -35,11 +36,19 @@ struct LogParameter {
     int32_t int32_value;
 };
 
+// What the log says of parameters that can change.
+struct LogChanges {
+    const ParameterTable* table;
+    ParameterBits* logged;  // by row
+    uint32_t* seen;         // by topic: the number of the sample; 0 before the first
+};
+
 struct LogTable {
     const LogTopic* topics;
     uint32_t topic_count;
     const LogParameter* parameters;
     uint32_t parameter_count;
+    const LogChanges* changes = nullptr;  // none where parameters are fixed
     const LogEvents* events;
     const char* graph;                          // name
     const char* graph_hash;                     // of what behaves; DESIGN 8

@@ -239,6 +239,7 @@ inline RecordingCounts recording_counts() {
 
 class Tap {
   public:
+    void connect(RecordStream&, const RecordedOutput&, uint32_t&) {}
     void takes(uint32_t) {}
     void notes(uint32_t) {}
     void publishes(void*, uint32_t) {}

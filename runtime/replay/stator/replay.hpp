@@ -30,6 +30,9 @@ class Job {
     // Compares with the next publication of the port, and hands the sample on to its readers.
     // Makes NaNs canonical.
     void publish(unsigned tag, void* message, size_t bytes);
+    // The first sample of the topic that the port publishes, as it was recorded; zeros if it was
+    // not.
+    std::vector<std::byte> first_sample(unsigned tag);
 
   private:
     friend class Replay;

@@ -22,7 +22,7 @@ from stator.plan import plan
 ROOT = Path(__file__).resolve().parents[3]
 EXAMPLES = ROOT / "graph" / "examples"
 GOLDEN = Path(__file__).parent / "golden"
-SHOWN = ("timer", "topic", "modes")
+SHOWN = ("timer", "topic", "modes", "param_change")
 SIZES = "sizes.txt"
 
 

@@ -118,3 +118,12 @@ def test_log() -> None:
 def test_publishers_that_modes_exchange_do_not_add_up() -> None:
     # careful publishes every 10 ms or bold every 5 ms, never both.
     assert planned("modes").topics["count"].period_us == 5_000
+
+
+def test_parameters_change_where_a_node_publishes_them() -> None:
+    assert planned("params").topics["counter_params"].publishers == ()
+    changed = planned("param_change").topics["counter_params"]
+    assert changed.publishers == changed.kept_by == ("parameters",)
+    # The one that counts, which the publisher copies and the more urgent counter may read, and the
+    # next.
+    assert changed.slots == 2

@@ -10,7 +10,7 @@
 #include "can_esc.hpp"
 #include "can_gnss.hpp"
 #include "dronecan_node.hpp"
-#include "parameter_server.hpp"
+#include "get_set.hpp"
 #include "stator/dronecan/crc.hpp"
 #include "stator/dronecan/float16.hpp"
 #include "stator/dronecan/port.hpp"
@@ -377,21 +377,77 @@ TEST(DronecanAllocator, a_piece_that_comes_late_or_out_of_turn_is_no_continuatio
     EXPECT_FALSE(allocator.answer(piece, 601'000));
 }
 
-TEST(DronecanParameters, are_written_within_their_range_and_by_who_may) {
-    using GetSet = ParameterServer::GetSet;
-    DronecanNodeParams params{.last_given = 125};
-    GetSet::Request request;
-    request.name.assign(std::string_view("dronecan_node.last_given"));
-    request.value.tag = dronecan::protocol::param::Value::Tag::kIntegerValue;
-    request.value.integer_value = 99;
-    EXPECT_EQ(ParameterServer::answer(request, params, false).value.integer_value, 125);
-    EXPECT_EQ(ParameterServer::answer(request, params, true).value.integer_value, 99);
-    request.value.integer_value = 126;
-    EXPECT_EQ(ParameterServer::answer(request, params, true).value.integer_value, 99);
-    EXPECT_EQ(params.last_given, 99);
-    request.name.count = 3;
-    EXPECT_EQ(ParameterServer::answer(request, params, true).name.count, 0);
+namespace get_set {
+
+using dronecan::protocol::param::GetSet;
+using dronecan::protocol::param::NumericValue;
+using dronecan::protocol::param::Value;
+
+GetSet::Request write(const Value& value) {
+    GetSet::Request request{.index = 3, .value = value};
+    request.name.assign(std::string_view("wing.gain"));
+    return request;
 }
+
+TEST(DronecanGetSet, a_value_is_written_by_who_may) {
+    const Value half{.tag = Value::Tag::kRealValue, .real_value = 0.5F};
+    ParameterRequest request = to_request(write(half), 9, true);
+    EXPECT_EQ(request.requester, ParameterRequest::Requester::kCan);
+    EXPECT_EQ(request.tag, 9);
+    EXPECT_EQ(request.action, ParameterRequest::Action::kSet);
+    EXPECT_EQ(request.type, ParameterRequest::Type::kFloat);
+    EXPECT_EQ(request.float_value, 0.5F);
+    EXPECT_EQ(request.index, 3);
+    EXPECT_EQ(std::string_view(reinterpret_cast<const char*>(request.name.data())), "wing.gain");
+    request = to_request(write(half), 9, false);
+    EXPECT_EQ(request.action, ParameterRequest::Action::kGet);
+    EXPECT_EQ(to_request(write({}), 9, true).action, ParameterRequest::Action::kGet);
+}
+
+TEST(DronecanGetSet, what_fits_none_of_our_types_only_asks) {
+    const auto whole = [](int64_t value) {
+        return to_request(write({.tag = Value::Tag::kIntegerValue, .integer_value = value}), 1,
+                          true);
+    };
+    EXPECT_EQ(whole(INT32_MIN).action, ParameterRequest::Action::kSet);
+    EXPECT_EQ(whole(INT32_MIN).int_value, INT32_MIN);
+    EXPECT_EQ(whole(int64_t{INT32_MAX} + 1).action, ParameterRequest::Action::kGet);
+    EXPECT_EQ(to_request(write({.tag = Value::Tag::kStringValue}), 1, true).action,
+              ParameterRequest::Action::kGet);
+    EXPECT_EQ(
+        to_request(write({.tag = Value::Tag::kBooleanValue, .boolean_value = 1}), 1, true).type,
+        ParameterRequest::Type::kBool);
+}
+
+TEST(DronecanGetSet, an_answer_is_of_the_parameters_type) {
+    ParameterValue value{.type = ParameterValue::Type::kInt32,
+                         .int_value = -2,
+                         .int_least = -5,
+                         .int_most = 5,
+                         .int_default = 1,
+                         .name = {'a', '.', 'b'}};
+    GetSet::Response response = to_response(value);
+    EXPECT_EQ(response.value.tag, Value::Tag::kIntegerValue);
+    EXPECT_EQ(response.value.integer_value, -2);
+    EXPECT_EQ(response.default_value.integer_value, 1);
+    EXPECT_EQ(response.min_value.integer_value, -5);
+    EXPECT_EQ(response.max_value.integer_value, 5);
+    EXPECT_EQ(response.name.count, 3);
+    value.type = ParameterValue::Type::kFloat;
+    value.float_most = 2.5F;
+    EXPECT_EQ(to_response(value).max_value.real_value, 2.5F);
+    value.type = ParameterValue::Type::kBool;
+    EXPECT_EQ(to_response(value).value.tag, Value::Tag::kBooleanValue);
+    EXPECT_EQ(to_response(value).max_value.tag, NumericValue::Tag::kEmpty);
+    value.result = ParameterValue::Result::kUnknown;
+    EXPECT_EQ(to_response(value).name.count, 0);
+    EXPECT_EQ(to_response(value).value.tag, Value::Tag::kEmpty);
+    value.result = ParameterValue::Result::kRead;
+    value.name.fill('x');
+    EXPECT_EQ(to_response(value).name.count, 92);
+}
+
+}  // namespace get_set
 
 // Runs the node every 2 ms, with one frame more each time, and collects what it sends.
 struct NodeTest : ::testing::Test {
@@ -407,18 +463,23 @@ struct NodeTest : ::testing::Test {
                 .stored = next_record < stored.size() ? Input(stored[next_record])
                                                       : Input<StoredRecord>(),
                 .memory = has_memory ? Input(memory) : Input<NonvolatileStatus>(),
+                .parameter = answer.tag != 0 ? Input(answer) : Input<ParameterValue>(),
                 .params = Input(params, is_first)};
             is_first = false;
             stator::testing::Probe sent(ports.frames, now_us);
             std::optional<stator::testing::Probe<RestartRequest>> restart;
             if (can_restart) restart.emplace(ports.restart, now_us);
+            stator::testing::Probe request(ports.request, now_us);
             std::optional<stator::testing::Probe<StoredRecord>> store;
             if (has_memory) store.emplace(ports.store, now_us);
             node.step(ports);
             ++next_record;
             if (store && store->count() != 0) kept = store->newest();
+            answer.tag = 0;
             sent_count += sent.count();
             if (restart) restarts += restart->count();
+            requests += request.count();
+            if (request.count() != 0) asked = request.newest();
             if (sent.count() != 0) newest = sent.newest();
         }
     }
@@ -442,6 +503,9 @@ struct NodeTest : ::testing::Test {
     uint64_t now_us = 1'000'000;
     uint32_t sent_count = 0;
     uint32_t restarts = 0;
+    uint32_t requests = 0;
+    ParameterRequest asked{};
+    ParameterValue answer{};  // to be read in the next activation; its tag 0: none
     CanFrame newest{};
 };
 
@@ -483,6 +547,58 @@ TEST_F(NodeTest, no_answer_is_more_urgent_than_motor_commands) {
     frames[0].id |= 0x1FU << 24;
     run(frames);
     EXPECT_EQ(dronecan::from_id(newest.id).priority, 31) << "less urgent ones as they were asked";
+}
+
+TEST_F(NodeTest, asks_for_a_parameter_and_hands_the_answer_on_under_the_requests_transfer_id) {
+    using dronecan::protocol::param::GetSet;
+    run({}, 1);  // the status
+    run(frames_of(GetSet::Request{.index = 2}, 99, now_us, 21), 5);
+    EXPECT_EQ(requests, 1U);
+    EXPECT_EQ(asked.index, 2);
+    EXPECT_EQ(sent_count, 1U) << "not before it knows";
+    run(frames_of(GetSet::Request{.index = 3}, 98, now_us), 1);
+    EXPECT_EQ(requests, 1U) << "one at a time";
+    answer = {.requester = ParameterValue::Requester::kCan,
+              .tag = static_cast<uint8_t>(asked.tag + 1),
+              .name = {'a'}};
+    run({}, 1);
+    EXPECT_EQ(sent_count, 1U) << "it is another request's";
+    answer.tag = asked.tag;
+    answer.requester = ParameterValue::Requester::kNone;
+    run({}, 1);
+    EXPECT_EQ(sent_count, 1U) << "it is another requester's";
+    answer.tag = asked.tag;
+    answer.requester = ParameterValue::Requester::kCan;
+    run({}, 10);
+    EXPECT_GT(sent_count, 1U);
+    EXPECT_EQ(dronecan::from_id(newest.id).destination, 99);
+    EXPECT_EQ(newest.data[newest.length - 1U] % dronecan::kTransferIds, 21);
+    const uint32_t sent = sent_count;
+    answer.tag = asked.tag;
+    run({}, 10);
+    EXPECT_EQ(sent_count, sent) << "an answer counts once";
+}
+
+TEST_F(NodeTest, a_parameter_that_nobody_answers_for_does_not_block_the_next) {
+    using dronecan::protocol::param::GetSet;
+    run(frames_of(GetSet::Request{}, 99, now_us), 251);  // half a second
+    run(frames_of(GetSet::Request{}, 99, now_us, 1), 1);
+    EXPECT_EQ(requests, 2U);
+}
+
+TEST_F(NodeTest, writes_parameters_for_the_tool_and_disarmed_only) {
+    using dronecan::protocol::param::GetSet;
+    using dronecan::protocol::param::Value;
+    const GetSet::Request request{.value = {.tag = Value::Tag::kIntegerValue, .integer_value = 1}};
+    const auto action = [&](uint8_t source, uint8_t transfer_id) {
+        run(frames_of(request, source, now_us, transfer_id), 300);
+        return asked.action;
+    };
+    EXPECT_EQ(action(99, 0), ParameterRequest::Action::kGet);
+    EXPECT_EQ(action(127, 0), ParameterRequest::Action::kSet);
+    armed = true;
+    EXPECT_EQ(action(127, 1), ParameterRequest::Action::kGet);
+    EXPECT_EQ(requests, 3U);
 }
 
 TEST_F(NodeTest, restarts_for_the_tool_and_disarmed_only) {

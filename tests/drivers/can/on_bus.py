@@ -249,29 +249,61 @@ def test_a_part_gets_its_id_again_after_a_restart(start: Callable[[], Link]) -> 
     assert (second["state"], second["records"], second["mended"]) == (1, 2, 0)
 
 
-def test_parameters_are_listed_read_and_written(link: Link, peer: Any) -> None:
-    get_set = uavcan.protocol.param.GetSet
-    names = []
+GetSet = uavcan.protocol.param.GetSet
+
+
+def write(peer: Any, name: str, **value: Any) -> Any:
+    request = GetSet.Request()
+    request.name = name
+    request.value = uavcan.protocol.param.Value(**value)
+    return ask(peer, request)
+
+
+def test_parameters_of_all_nodes_are_listed(link: Link, peer: Any) -> None:
+    names: list[str] = []
     while True:
-        response = ask(peer, get_set.Request(index=len(names)))
+        response = ask(peer, GetSet.Request(index=len(names)))
         if not response.name.decode():
             break
         names.append(response.name.decode())
-    assert "dronecan_node.tool" in names
-    assert len(names) == len(set(names))
+    log = link.stop()
+    assert names == list(log.initial_parameters)
+    assert {name.split(".")[0] for name in names} == {
+        *("can_esc", "can_gnss", "dronecan_node", "throttle")
+    }
 
-    def write(value: int) -> Any:
-        request = get_set.Request()
-        request.name = "dronecan_node.last_given"
-        request.value = uavcan.protocol.param.Value(integer_value=value)
-        return ask(peer, request)
 
-    assert write(100).value.integer_value == 100
-    refused = write(126)  # out of range
+def test_parameters_are_read_and_written(link: Link, peer: Any) -> None:
+    assert write(peer, "dronecan_node.last_given", integer_value=100).value.integer_value == 100
+    refused = write(peer, "dronecan_node.last_given", integer_value=126)  # out of range
     assert refused.value.integer_value == 100
     assert refused.max_value.integer_value == 125
-    assert ask(peer, get_set.Request(name="dronecan_node.last_given")).value.integer_value == 100
-    link.stop()
+    assert refused.default_value.integer_value == 125
+    again = ask(peer, GetSet.Request(name="dronecan_node.last_given"))
+    assert again.value.integer_value == 100
+    # What others know us by does not change, and a name is not cut to one that there is.
+    assert write(peer, "dronecan_node.node_id", integer_value=11).value.integer_value == OUR_ID
+    assert not write(peer, "throttle.controls", real_value=0.5).name.decode()
+    timeout = write(peer, "can_esc.offline_timeout", real_value=0.5)
+    assert (timeout.value.real_value, timeout.max_value.real_value) == (0.5, 10.0)
+    assert link.stop().changed_parameters[-1][1:] == ("can_esc.offline_timeout", 0.5)
+
+
+def test_a_written_parameter_acts_at_once_until_the_vehicle_is_armed(link: Link, peer: Any) -> None:
+    """The motors' command doubles on the bus."""
+    assert write(peer, "throttle.control", real_value=0.5).value.real_value == 0.5
+    # 0.5 of 8191 in four times 14 bits: 4096, low byte first. An old command means none at all.
+    doubled = bytes.fromhex("00400100040010")
+    with raw_socket() as bus:
+        is_command = RAW_COMMAND.__eq__
+        assert any(next_frame(bus, is_command)[1][:7] == doubled for _ in range(200))
+    assert write(peer, "throttle.armed", boolean_value=True).value.boolean_value
+    assert write(peer, "throttle.control", real_value=0.75).value.real_value == 0.5
+    log = link.stop()
+    names = [name for _, name, _ in log.changed_parameters]
+    assert names == ["throttle.control", "throttle.armed"]
+    controls = log.get_dataset("actuator_motors").data["control[0]"]
+    assert (controls[0], controls[-1]) == (0.25, 0.5)
 
 
 def test_a_restart_is_answered_and_then_done(link: Link, peer: Any) -> None:

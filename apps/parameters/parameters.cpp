@@ -1,0 +1,110 @@
+// Publishes the parameters of all nodes, and changes them on request.
+#include "parameters.hpp"
+
+#include <array>
+#include <bit>
+#include <string_view>
+
+#include "stator/math/bits.hpp"
+
+namespace stator {
+
+namespace {
+
+using Action = ParameterRequest::Action;
+using Result = ParameterValue::Result;
+using Name = decltype(ParameterRequest::name);
+
+template <class Type>
+constexpr bool kHasTypes =
+    Type{0} == Type::kFloat&& Type{1} == Type::kInt32&& Type{2} == Type::kBool;
+static_assert(kHasTypes<ParameterType>);
+static_assert(kHasTypes<ParameterRequest::Type>);
+static_assert(kHasTypes<ParameterValue::Type>);
+
+float as_float(ParameterBits value) {
+    return std::bit_cast<float>(value);
+}
+int32_t as_int(ParameterBits value) {
+    return std::bit_cast<int32_t>(value);
+}
+
+std::string_view text(const Name& name) {
+    size_t length = 0;
+    while (length < name.size() && name[length] != 0) ++length;
+    return {reinterpret_cast<const char*>(name.data()), length};
+}
+
+// By name if there is one, else by index; null if there is no such parameter.
+const ParameterRow* find(const ParameterPort& parameters, const ParameterRequest& request) {
+    const auto rows = parameters.rows();
+    const std::string_view name = text(request.name);
+    if (name.empty()) return request.index < rows.size() ? &rows[request.index] : nullptr;
+    for (const ParameterRow& row : rows) {
+        if (name == row.name) return &row;
+    }
+    return nullptr;
+}
+
+bool is_in_range(const ParameterRow& row, ParameterBits value) {
+    if (row.type == ParameterType::kFloat) {
+        return as_float(value) >= as_float(row.least) && as_float(value) <= as_float(row.most);
+    }
+    return as_int(value) >= as_int(row.least) && as_int(value) <= as_int(row.most);
+}
+
+// The same value again is written, but not published.
+Result set(ParameterPort& parameters, const ParameterRow& row, const ParameterRequest& request) {
+    const bool is_float = row.type == ParameterType::kFloat;
+    if (static_cast<ParameterType>(request.type) != row.type) return Result::kWrongType;
+    if (is_float && math::is_nan(request.float_value)) return Result::kNotANumber;
+    const auto value = is_float ? std::bit_cast<ParameterBits>(request.float_value)
+                                : std::bit_cast<ParameterBits>(request.int_value);
+    if (!is_in_range(row, value)) return Result::kOutOfRange;
+    if (row.is_fixed) return Result::kFixed;
+    if (value != parameters.value(row)) parameters.publish(row, value);
+    return Result::kWritten;
+}
+
+ParameterValue answer(const ParameterPort& parameters, const ParameterRow& row) {
+    ParameterValue answer{.type = static_cast<ParameterValue::Type>(row.type),
+                          .index = static_cast<uint16_t>(&row - parameters.rows().data())};
+    const ParameterBits value = parameters.value(row);
+    if (row.type == ParameterType::kFloat) {
+        answer.float_value = as_float(value);
+        answer.float_least = as_float(row.least);
+        answer.float_most = as_float(row.most);
+        answer.float_default = as_float(row.standard);
+    } else {
+        answer.int_value = as_int(value);
+        answer.int_least = as_int(row.least);
+        answer.int_most = as_int(row.most);
+        answer.int_default = as_int(row.standard);
+    }
+    for (size_t i = 0; i < answer.name.size() && row.name[i] != 0; ++i) {
+        answer.name[i] = static_cast<uint8_t>(row.name[i]);
+    }
+    return answer;
+}
+
+}  // namespace
+
+void Parameters::step(ParametersPorts& ports) {
+    if (!ports.request) return;
+    const ParameterRequest& request = *ports.request;
+    const ParameterRow* const row = find(ports.parameters, request);
+    Result result = row == nullptr ? Result::kUnknown : Result::kRead;
+    if (row != nullptr && request.action == Action::kSet) {
+        result = set(ports.parameters, *row, request);
+    }
+    ports.value.publish([&] {
+        ParameterValue value = row == nullptr ? ParameterValue{} : answer(ports.parameters, *row);
+        value.requester = static_cast<ParameterValue::Requester>(request.requester);
+        value.tag = request.tag;
+        value.result = result;
+        value.count = static_cast<uint16_t>(ports.parameters.rows().size());
+        return value;
+    });
+}
+
+}  // namespace stator

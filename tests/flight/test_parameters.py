@@ -1,0 +1,106 @@
+"""Parameters that a node changes in flight: they act, they are logged, and a replay has them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pyulog import ULog
+from tests.emulation.firmware_tools import needs_emulator
+
+from stator import cli
+from stator.build import PREEMPTION, RECORDING, build
+from stator.library import HOME
+
+QUAD = HOME / "graph" / "quad.yaml"
+TUNED = HOME / "tests" / "apps" / "parameters" / "graphs" / "tuned_quad.yaml"
+VARIANT = PREEMPTION | RECORDING
+# What the tuner asks for, and when: its pitch_p is halved by its own parameter, changed before.
+CHANGES = [
+    ("tuner.scale", 1.4, 0.5),
+    ("rate_control.pitch_p", 4.0, 0.14),
+    ("allocation.airmode", 4.1, 1),
+    ("allocation.airmode", 4.3, 0),
+    ("rate_control.pitch_p", 4.4, 0.35),
+]
+UNKNOWN, WRONG_TYPE, OUT_OF_RANGE, NOT_A_NUMBER, WRITTEN = 2, 3, 4, 5, 1
+RESULTS = [UNKNOWN, OUT_OF_RANGE, NOT_A_NUMBER, WRONG_TYPE, *[WRITTEN] * 5]
+
+
+def flown(graph: Path, log: Path, *options: str) -> ULog:
+    command = [build(graph, "sitl", VARIANT), "--log", log, "--duration", "5", *options]
+    subprocess.run(command, check=True, capture_output=True)
+    return ULog(str(log))
+
+
+def replay(capsys: pytest.CaptureFixture[str], log: Path) -> dict[str, Any]:
+    capsys.readouterr()
+    cli.main(["replay", str(log), "--json"])
+    facts: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return facts
+
+
+def check_changes(log: ULog, tolerance_s: float) -> None:
+    assert log.initial_parameters["rate_control.pitch_p"] == pytest.approx(0.35)
+    assert [name for _, name, _ in log.changed_parameters] == [name for name, _, _ in CHANGES]
+    for (time_us, _, value), (_, wanted_s, wanted) in zip(
+        log.changed_parameters, CHANGES, strict=True
+    ):
+        assert value == pytest.approx(wanted)
+        assert 0 <= time_us / 1e6 - wanted_s <= tolerance_s
+    assert list(log.get_dataset("parameter_value").data["result"]) == RESULTS
+
+
+def check_replayed(replayed: dict[str, Any]) -> None:
+    assert replayed["equal"], replayed
+    assert replayed["topics"]["parameter_value"]
+    assert replayed["topics"]["rate_control_params"]
+    assert replayed["replayed_until_s"] > 4.5
+
+
+def test_a_changed_gain_changes_the_flight_from_then_on(tmp_path: Path) -> None:
+    plain = flown(QUAD, tmp_path / "plain.ulg").get_dataset("actuator_motors").data
+    log = flown(TUNED, tmp_path / "tuned.ulg")
+    tuned = log.get_dataset("actuator_motors").data
+    check_changes(log, 0.02)
+    count = min(len(plain["timestamp"]), len(tuned["timestamp"]))
+    before = plain["timestamp"][:count] <= 4_000_000
+    for i in range(4):
+        # Motors that stand are not a number.
+        one, other = (np.nan_to_num(d[f"control[{i}]"][:count], nan=-1) for d in (plain, tuned))
+        assert (one == other)[before].all()
+        assert (one != other)[~before].mean() > 0.9
+
+
+def test_a_virtual_flight_with_changes_replays_equal(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    log = tmp_path / "random.ulg"
+    check_changes(flown(TUNED, log, "--times", "random"), 0.02)
+    check_replayed(replay(capsys, log))
+
+
+def test_a_run_of_threads_with_changes_replays_equal(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    log = tmp_path / "threads.ulg"
+    cli.main(["run", str(TUNED), "--duration", "5", "-o", str(log), "--json"])
+    facts = json.loads(capsys.readouterr().out)
+    check_changes(ULog(str(log)), 2.0)
+    assert facts["unrecorded_activations"] == 0
+    check_replayed(replay(capsys, log))
+
+
+@pytest.mark.long
+def test_a_flight_of_the_firmware_with_changes_replays_equal(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    needs_emulator()
+    log = tmp_path / "firmware.ulg"
+    cli.main(["emulate", str(TUNED), "--duration", "5", "--json", "-o", str(log)])
+    check_changes(ULog(str(log)), 0.02)
+    check_replayed(replay(capsys, log))
