@@ -27,7 +27,7 @@ void run() {
     ports.answer.take_latest(topics::parameter_value, state.answer_number, ports.now, kNoAgeLimit, false);
     ports.request.connect(topics::parameter_request, ports.now, false);
     node.step(ports);
-    count_activation(state.counters.activations);
+    add_to_counter(state.counters.activations, 1);
     activation.finish();
 }
 

@@ -27,7 +27,7 @@ void run() {
     ports.params.take_latest(topics::counter_params, state.params_number, ports.now, kNoAgeLimit, false);
     ports.count.connect(topics::count, ports.now, false);
     node.step(ports);
-    count_activation(state.counters.activations);
+    add_to_counter(state.counters.activations, 1);
     activation.finish();
 }
 

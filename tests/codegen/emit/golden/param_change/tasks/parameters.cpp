@@ -27,9 +27,9 @@ void run() {
     ports.value.connect(topics::parameter_value, ports.now, false);
     ports.parameters.connect(parameter_table, ports.now);
     node.step(ports);
-    count_activation(state.counters.activations);
+    add_to_counter(state.counters.activations, 1);
     activation.finish();
-    state.counters.lost_samples += ports.request.lost();
+    add_to_counter(state.counters.lost_samples, ports.request.lost());
 }
 
 }  // namespace stator::tasks::parameters
