@@ -22,10 +22,13 @@ uint16_t text_bytes(const char* text) {
 
 void Logger::step(LoggerPorts& ports) {
     published_ = 0;
+    // Read first: while nobody else has seen the ports, the compiler knows the table, and leaves the
+    // code for changes out where there are none.
+    const LogChanges* const changes = ports.log->changes;
     if (write_definitions(ports)) {
         write_events(ports);
         write_samples(ports);
-        if (ports.log->changes != nullptr) write_changes(ports, *ports.log->changes);
+        if (changes != nullptr) write_changes(ports, *changes);
         if (ports.log->recording != nullptr) write_recording(ports);
     }
     if (ports.now - flushed_us_ >= kFlushInterval_us) flush(ports);
