@@ -20,7 +20,7 @@ Counts = dict[str, Any]
 LONGEST_INPUT = 2048  # 128 frames: two of the longest transfers
 COMPILE = ["clang++", "-std=c++20", "-O1", "-g", "-Wall", "-Wextra", "-Werror"]
 COMPILE += ["-fno-exceptions", "-fno-rtti", "-fno-sanitize-recover=all"]
-COMPILE += ["-fsanitize=fuzzer,address,undefined"]
+COMPILE += ["-fsanitize=fuzzer,address,undefined", "-D_GLIBCXX_ASSERTIONS"]
 
 
 @pytest.fixture(scope="module")
