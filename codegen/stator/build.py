@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -94,6 +95,12 @@ def build_plant() -> Path:
 
 def configure(folder: Path, options: list[str], targets: list[str]) -> None:
     """Configures a build folder where needed, and builds the targets. Raises `BuildFailed`."""
+    existing = next(path for path in (folder, *folder.parents) if path.exists())
+    if not os.access(existing, os.W_OK):
+        raise BuildFailed(
+            f"error: cannot write in '{shown_path(existing)}', where the build goes\n"
+            "hint: it belongs to somebody else; make a clone of your own"
+        )
     # Written last: another graph of the same name, or an interrupted first configuration, which
     # leaves a folder that CMake would not try again, begins anew.
     stamp = folder / "options.txt"

@@ -81,6 +81,11 @@ def main(argv: list[str]) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return NOT_DONE
+    except OSError as failed:  # of this machine: no room, no permission, no program
+        print(f"error: cannot use '{failed.filename}': {failed.strerror}", file=sys.stderr)
+        if isinstance(failed, FileNotFoundError):
+            print("hint: if it is a program, ./stator setup installs it", file=sys.stderr)
+        return NOT_DONE
 
 
 def _run(argv: list[str]) -> int:

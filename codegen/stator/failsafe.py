@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 GO_ON = "go_on"
 # The message whose enumerations name modes and events, and those fields.
 STATUS, MODES, EVENTS = "VehicleStatus", "nav_state", "failsafe_event"
-NO_EVENT = "none"
 
 _WORD = Text(NAME_PATTERN, "a name of lower case letters, digits and underscores")
 _WORDS = Listing(_WORD)

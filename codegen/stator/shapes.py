@@ -272,14 +272,3 @@ class Raw:
 
     def schema(self) -> dict[str, Any]:
         return {"type": ["string", "number", "boolean"]}
-
-
-@dataclass(frozen=True)
-class Anything:
-    """A tree that is read elsewhere."""
-
-    def read(self, tree: Tree, report: Report) -> Tree:
-        return tree
-
-    def schema(self) -> dict[str, Any]:
-        return {}

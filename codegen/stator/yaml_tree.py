@@ -87,9 +87,10 @@ def load(path: Path, report: Report) -> Tree | None:
         return None
     except OSError as error:
         others = [shown_path(other) for other in sorted(path.parent.glob("*.yaml"))[:200]]
-        hint = (
-            report.nearest(shown_path(path), others) or "name a graph file, such as graph/quad.yaml"
-        )
+        hint = "make it a file that you may read"
+        if isinstance(error, FileNotFoundError | NotADirectoryError):
+            nearest = report.nearest(shown_path(path), others)
+            hint = nearest or "name a graph file, such as graph/quad.yaml"
         report.error(start, "file-missing", f"cannot read the file: {error.strerror}", hint)
         return None
     return parse(text, path, report)

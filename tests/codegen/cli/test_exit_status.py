@@ -1,5 +1,7 @@
 """The exit status says the same of every command: docs/json.md."""
 
+import errno
+import os
 from pathlib import Path
 
 import pytest
@@ -63,3 +65,24 @@ def test_what_a_command_cannot_do(
     assert "error: " in captured.err or "usage: " in captured.err
     assert "Traceback" not in captured.err
     assert sorted(folder.iterdir()) == before
+
+
+def test_what_the_machine_refuses(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refused(*_: object) -> None:
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), "/place")
+
+    monkeypatch.setattr("stator.graph_hash.graph_hash", refused)
+    assert cli.main(["check", str(HOME / "graph" / "quad.yaml"), "--json"]) == 2
+    assert capsys.readouterr().err == "error: cannot use '/place': Permission denied\n"
+
+
+def test_a_build_folder_of_somebody_else(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("os.access", lambda *_: False)
+    assert cli.main(["fly", str(HOME / "graph" / "quad.yaml")]) == 2
+    error = capsys.readouterr().err
+    assert "error: cannot write in '" in error
+    assert "hint: it belongs to somebody else" in error
