@@ -426,6 +426,31 @@ def ip(*arguments: str) -> None:
     subprocess.run(["ip", "link", *arguments], check=True)
 
 
+def test_a_transmit_queue_that_is_full_holds_frames_up_or_costs_them_and_is_told(
+    link: Link,
+) -> None:
+    """The kernel says ENOBUFS where an interface's queue is full. A virtual one has no queue but
+    for a shaper: here of three frames, emptied at a quarter of the rate of the commands alone."""
+    with raw_socket() as bus:
+        commands(bus, 5)
+        shaper = ["tc", "qdisc", "add", "dev", BUS, "root", "tbf"]
+        subprocess.run([*shaper, "rate", "1600bit", "burst", "32", "limit", "48"], check=True)
+        commands(bus, 20)
+        queue = subprocess.run(
+            ["tc", "-s", "-j", "qdisc", "show", "dev", BUS], check=True, capture_output=True
+        )
+        subprocess.run(["tc", "qdisc", "del", "dev", BUS, "root"], check=True)
+        commands(bus, 20)
+    log = link.stop()
+    assert json.loads(queue.stdout)[0]["drops"] > 0, "it was full"
+    status = log.get_dataset("can_interface_status").data
+    assert status["state"][-1] == 0
+    assert status["io_errors"][-1] == 0, "the bus is well, and stays open"
+    lost = status["tx_lost"]
+    assert 0 < lost[-1] < status["frames_tx"][-1]
+    assert lost[-1] == lost[-20], "no more, once there is room again"
+
+
 def test_an_interface_that_goes_away_and_comes_back(link: Link) -> None:
     with raw_socket() as bus:
         wait_for_us(bus)
