@@ -42,7 +42,7 @@ def test_five_thousand_frames_a_second_both_ways_are_there_or_counted() -> None:
         f"{flood} vcan0 0x2000 0x1000 {rate} {seconds}; wait; "
         "cat /proc/net/softnet_stat"
     )
-    finished = on_bus(200, "bash", "-c", script)
+    finished = on_bus(200, "bash", "-c", script, options=["-p"])
     assert finished.returncode == 0, finished.stderr
     lines = finished.stdout.splitlines()
     ends = [json.loads(line) for line in lines if line.startswith("{")]
