@@ -108,6 +108,8 @@ def _topic(plan: Plan, topic: TopicPlan) -> list[Row]:
     log = "not logged"
     if topic.log_us is not None:
         log = f"every {spelled_us(topic.log_us)}" if topic.log_us else "every sample"
+    elif topic.owner and any(n.interface.reads_log for n in plan.graph.nodes.values()):
+        log = "as parameters" + (", with each change" if topic.publishers else "")
     guard = "no critical section: one level publishes"
     if topic.ceiling:
         guard = (
