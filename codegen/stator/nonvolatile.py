@@ -54,13 +54,16 @@ def nonvolatile_rows(facts: dict[str, Any]) -> list[tuple[str, str]]:
         return [("records", f"{memory['state']}: nothing is kept in {file}")]
     texts = [f"{memory['records']} of at most {memory['most_records']}, in {file}"]
     if memory["mended"]:
-        texts.append(f"{memory['mended']} had one bad copy, and were mended: nothing is missing")
+        texts.append(f"mended, as one copy of two was bad: {memory['mended']}; nothing is gone")
     if memory["damaged"]:
         texts.append(
-            f"{memory['damaged']} were damaged in both copies, and are gone; what they said is as "
-            "the graph says, or asked for anew"
+            f"damaged, and gone: {memory['damaged']}; what they said is as the graph says, or asked "
+            "for anew"
         )
     not_kept = memory["refused"] + memory["lost"]
     if not_kept:
-        texts.append(f"{not_kept} were not kept: no room, a file that cannot be written, or haste")
+        texts.append(
+            f"not kept: {not_kept}; there was no room, the file cannot be written, or they came "
+            "too fast"
+        )
     return [("records", text) for text in texts]
