@@ -54,10 +54,10 @@ def nonvolatile_rows(facts: dict[str, Any]) -> list[tuple[str, str]]:
         return [("records", f"{memory['state']}: nothing is kept in {file}")]
     texts = [f"{memory['records']} of at most {memory['most_records']}, in {file}"]
     if memory["mended"]:
-        texts.append(f"mended, as one copy of two was bad: {memory['mended']}; nothing is gone")
+        texts.append(f"mended, as one copy of two was bad: {memory['mended']}; none is gone")
     if memory["damaged"]:
         texts.append(
-            f"damaged, and gone: {memory['damaged']}; what they said is as the graph says, or asked "
+            f"damaged; gone: {memory['damaged']}; what they said is as the graph says, or asked "
             "for anew"
         )
     not_kept = memory["refused"] + memory["lost"]
