@@ -6,13 +6,13 @@
 namespace stator {
 
 bool NonvolatileFile::Port::read(uint32_t address, std::span<uint8_t> bytes) const {
-    const auto place = static_cast<off_t>(kHeadBytes + address);
+    const off_t place = off_t{kHeadBytes} + address;
     return pread(device.file, bytes.data(), bytes.size(), place) ==
            static_cast<ssize_t>(bytes.size());
 }
 
 bool NonvolatileFile::Port::write(uint32_t address, std::span<const uint8_t> bytes) const {
-    const auto place = static_cast<off_t>(kHeadBytes + address);
+    const off_t place = off_t{kHeadBytes} + address;
     return pwrite(device.file, bytes.data(), bytes.size(), place) ==
            static_cast<ssize_t>(bytes.size());
 }
