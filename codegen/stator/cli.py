@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.diagnostics import (
-    ANSWER_IS_NO,
     INTERRUPTED,
     NOT_DONE,
     Failed,
     UserError,
-    shown_path,
 )
 
 if TYPE_CHECKING:
@@ -48,6 +45,10 @@ COMMANDS = {
 }
 # Commands that have a module of their own, and those that read their arguments themselves.
 MODULES = {
+    "check": "stator.check_command",
+    "gen": "stator.gen",
+    "graph": "stator.picture",
+    "explain": "stator.explain",
     "new": "stator.new",
     "fly": "stator.fly",
     "run": "stator.run",
@@ -61,6 +62,7 @@ MODULES = {
     "replay": "stator.replay",
     "score": "stator.score",
     "bench": "stator.bench",
+    "schema": "stator.schema",
 }
 RAW = {"test": "stator.run_tests", "lint": "stator.lint"}
 
@@ -114,10 +116,6 @@ def _parser(chosen: str) -> argparse.ArgumentParser:
             module = import_module(MODULES[name])
             module.add_arguments(command)
             command.set_defaults(run=module.main)
-        elif name in _HERE:
-            add_arguments, run = _HERE[name]
-            add_arguments(command)
-            command.set_defaults(run=run)
     return parser
 
 
@@ -157,64 +155,9 @@ def show_errors(failed: Failed) -> None:
     print(f"\n{count} error{'s' if count > 1 else ''}{more}; nothing was written", file=sys.stderr)
 
 
-# --- check ---
-
-
-def _graph_arguments(parser: argparse.ArgumentParser) -> None:
+def add_graph_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("graph", help="a graph file, such as graph/quad.yaml")
     parser.add_argument("--board", help="bind the devices of this board instead of the graph's own")
-
-
-def _check_arguments(parser: argparse.ArgumentParser) -> None:
-    _graph_arguments(parser)
-    parser.add_argument("--plan", action="store_true", help="show the whole plan")
-    parser.add_argument("--json", action="store_true", help="print what programs read")
-
-
-def _check(arguments: argparse.Namespace) -> int:
-    try:
-        plan = make_plan(arguments.graph, arguments.board)
-    except Failed as failed:
-        if arguments.json:
-            print(json.dumps({"errors": [error.as_json() for error in failed.errors]}, indent=2))
-        else:
-            show_errors(failed)
-        return ANSWER_IS_NO
-    if arguments.json:
-        from stator.graph_hash import graph_hash
-
-        print(
-            json.dumps(
-                {
-                    "errors": [],
-                    "graph": plan.graph.name,
-                    "board": plan.board.name,
-                    "nodes": len(plan.tasks),
-                    "topics": len(plan.topics),
-                    "hash": graph_hash(plan),
-                },
-                indent=2,
-            )
-        )
-        return 0
-    if arguments.plan:
-        from stator.plan_text import plan_text
-
-        print(plan_text(plan), end="")
-        return 0
-    levels = len({task.level for task in plan.tasks})
-    slot_bytes = sum(t.message.bytes * t.slots for t in plan.topics.values())
-    print(
-        f"{shown_path(plan.graph.file)}: good: {_count(len(plan.tasks), 'node')} on "
-        f"{_count(levels, 'level')}, {_count(len(plan.topics), 'topic')} in {slot_bytes} bytes of "
-        f"slots, board {plan.board.name}"
-    )
-    show_notes(plan)
-    return 0
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" + ("" if number == 1 else "s")
 
 
 def unbound_devices(plan: Plan) -> list[str]:
@@ -235,98 +178,3 @@ def show_notes(plan: Plan) -> None:
             f"note: {plan.board.name} cannot keep the order of {plan.graph.board.name}; "
             "planned anew, with another hash"
         )
-
-
-# --- gen ---
-
-
-def _gen_arguments(parser: argparse.ArgumentParser) -> None:
-    _graph_arguments(parser)
-    parser.add_argument(
-        "-o", "--output", required=True, metavar="DIR", type=path, help="where to write"
-    )
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument("--record", action="store_true", help="with a recording of each flight")
-    what.add_argument("--replay", action="store_true", help="a program that replays recordings")
-
-
-def _gen(arguments: argparse.Namespace) -> int:
-    from stator.emit import emit, emit_replay, write
-
-    if arguments.replay:
-        files = emit_replay(make_plan(arguments.graph, arguments.board))
-    else:
-        plan = make_buildable_plan(arguments.graph, arguments.board)
-        files = emit(plan, record=arguments.record)
-    changed = write(files, arguments.output)
-    print(f"{arguments.output}: {len(files)} files, {changed} changed")
-    return 0
-
-
-# --- explain, graph, schema ---
-
-
-def _explain_arguments(parser: argparse.ArgumentParser) -> None:
-    _graph_arguments(parser)
-    parser.add_argument("node", help="a node or a topic of the graph")
-
-
-def _explain(arguments: argparse.Namespace) -> int:
-    from stator.diagnostics import nearest
-    from stator.explain import explain
-
-    plan = make_plan(arguments.graph, arguments.board)
-    lines = explain(plan, arguments.node)
-    if lines is None:
-        known = [*plan.graph.nodes, *plan.topics]
-        raise UserError(
-            f"error: '{arguments.node}' is no node and no topic of {plan.graph.name}\n"
-            f"hint: {nearest(arguments.node, known)}"
-        )
-    print("\n".join(lines))
-    return 0
-
-
-def _picture_arguments(parser: argparse.ArgumentParser) -> None:
-    _graph_arguments(parser)
-    parser.add_argument(
-        "-o", "--output", required=True, metavar="FILE", type=path, help=".svg, .png or .dot"
-    )
-
-
-def _picture(arguments: argparse.Namespace) -> int:
-    from stator.picture import draw
-
-    draw(make_plan(arguments.graph, arguments.board), arguments.output)
-    print(f"{arguments.output}: drawn")
-    return 0
-
-
-def _schema_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--reference", action="store_true", help="print docs/reference.md, for people, instead"
-    )
-
-
-def _schema(arguments: argparse.Namespace) -> int:
-    from stator.json_schema import graph_schema
-
-    if arguments.reference:
-        from stator.reference import reference
-
-        print(reference(), end="")
-        return 0
-
-    print(json.dumps(graph_schema(), indent=2))
-    return 0
-
-
-_HERE: dict[
-    str, tuple[Callable[[argparse.ArgumentParser], None], Callable[[argparse.Namespace], int]]
-] = {
-    "check": (_check_arguments, _check),
-    "gen": (_gen_arguments, _gen),
-    "explain": (_explain_arguments, _explain),
-    "graph": (_picture_arguments, _picture),
-    "schema": (_schema_arguments, _schema),
-}

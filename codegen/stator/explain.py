@@ -5,13 +5,15 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-from stator.diagnostics import shown_path
+from stator.cli import add_graph_arguments, make_plan
+from stator.diagnostics import UserError, nearest, shown_path
 from stator.period import spelled_us
 from stator.plan_text import triggers_text
 from stator.rates import Rates
 from stator.shapes import quoted
 
 if TYPE_CHECKING:
+    import argparse
     from collections.abc import Iterable
     from fractions import Fraction
 
@@ -28,6 +30,24 @@ WAYS = {
     "queue": "all, in order",
     "latest": "latest",
 }
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_graph_arguments(parser)
+    parser.add_argument("node", help="a node or a topic of the graph")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    plan = make_plan(arguments.graph, arguments.board)
+    lines = explain(plan, arguments.node)
+    if lines is None:
+        known = [*plan.graph.nodes, *plan.topics]
+        raise UserError(
+            f"error: '{arguments.node}' is no node and no topic of {plan.graph.name}\n"
+            f"hint: {nearest(arguments.node, known)}"
+        )
+    print("\n".join(lines))
+    return 0
 
 
 def explain(plan: Plan, name: str) -> list[str] | None:

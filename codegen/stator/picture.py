@@ -5,9 +5,11 @@ from __future__ import annotations
 import subprocess
 from typing import TYPE_CHECKING
 
+from stator.cli import add_graph_arguments, make_plan, path
 from stator.diagnostics import UserError
 
 if TYPE_CHECKING:
+    import argparse
     from pathlib import Path
 
     from stator.model import Trigger
@@ -17,6 +19,19 @@ FORMATS = (".svg", ".png", ".dot")
 # From the least to the most urgent level: light to strong.
 _URGENT = (0xE8, 0x6A, 0x33)
 _PALE = (0xF4, 0xF1, 0xEA)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_graph_arguments(parser)
+    parser.add_argument(
+        "-o", "--output", required=True, metavar="FILE", type=path, help=".svg, .png or .dot"
+    )
+
+
+def main(arguments: argparse.Namespace) -> int:
+    draw(make_plan(arguments.graph, arguments.board), arguments.output)
+    print(f"{arguments.output}: drawn")
+    return 0
 
 
 def draw(plan: Plan, file: Path) -> None:
