@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _SUBSCHEMAS = ("properties", "patternProperties")
 
-# What a file of Stator can be, by the name that `./stator schema NAME` takes.
+# What a file of Stator can be.
 KINDS: dict[str, Shape] = {
     "graph": language.GRAPH,
     "message": language.MESSAGE,

@@ -42,9 +42,9 @@ struct Recording {
     std::array<bool, kStreams> has_gap{};                // its stream ends before the others
 };
 
-// Reads the first `bytes` of the log, which the command line has checked. Nothing if the file
+// Reads the first `count` bytes of the log, which the command line has checked. Nothing if the file
 // cannot be read or makes no sense.
-std::optional<Recording> read_recording(const char* log, size_t bytes);
+std::optional<Recording> read_recording(const char* log, size_t count);
 
 // Goes through the bytes of a stream. Past the end it reads zeros and says so.
 class Reader {

@@ -81,7 +81,7 @@ class Replay {
     uint64_t end_us(size_t level) const;
     Level* earliest();
     void run_head(Level& level);
-    void run_next(size_t task);
+    void run_next(size_t index);
     bool needs_more_than_there_is(const Job& job) const;
     void conclude(Job& job, bool is_run);
     const void* sample(size_t topic, uint32_t number);

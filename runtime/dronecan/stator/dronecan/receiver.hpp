@@ -7,6 +7,7 @@
 
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -148,7 +149,7 @@ class Receiver : public ReceiverCore {
   private:
     std::span<const Wanted> wanted_;
     std::array<Session, kSessions> sessions_{};
-    std::array<uint8_t, kSessions * kMostBytes> bytes_{};
+    std::array<uint8_t, std::size_t{kSessions} * kMostBytes> bytes_{};
 };
 
 }  // namespace stator::dronecan
