@@ -1,6 +1,8 @@
 // Arming, flight modes, failsafes.
 #include "commander.hpp"
 
+#include <algorithm>
+
 #include "stator/elapsed.hpp"
 
 namespace stator {
@@ -30,7 +32,7 @@ bool hears_pilot(const CommanderPorts& ports) {
 
 bool hears_motors(const CommanderPorts& ports) {
     if (!ports.escs) return true;
-    const unsigned all = (1U << ports.escs->esc_count) - 1;
+    const unsigned all = (1U << std::min<unsigned>(ports.escs->esc_count, 16)) - 1;
     return (ports.escs->esc_online_flags & all) == all;
 }
 

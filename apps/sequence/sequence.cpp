@@ -1,6 +1,8 @@
 // A flight from parameters: arms, takes off, hovers, lands, disarms.
 #include "sequence.hpp"
 
+#include <algorithm>
+
 #include "stator/elapsed.hpp"
 
 namespace stator {
@@ -47,7 +49,7 @@ bool is_good(const SequencePorts& ports) {
 }
 
 bool hears_all(const EscStatus& escs) {
-    const unsigned all = (1U << escs.esc_count) - 1;
+    const unsigned all = (1U << std::min<unsigned>(escs.esc_count, 16)) - 1;
     return (escs.esc_online_flags & all) == all;
 }
 

@@ -389,6 +389,15 @@ TEST_F(CommanderTest, a_lost_motor_controller_leads_down_but_where_a_pilot_holds
     EXPECT_FALSE(health_.motors_ok);
 }
 
+TEST_F(CommanderTest, more_motor_controllers_than_there_are_flags_are_as_many_as_flags) {
+    escs_ = {.esc_online_flags = 0xFFFF, .esc_count = 255};
+    step();
+    EXPECT_TRUE(health_.motors_ok);
+    escs_.esc_online_flags = 0x7FFF;
+    step();
+    EXPECT_FALSE(health_.motors_ok);
+}
+
 TEST_F(CommanderTest, the_fence_turns_it_back) {
     fly(Nav::kMission);
     mission_.fence_radius = 20.0F;

@@ -245,6 +245,13 @@ TEST_F(SequenceTest, waits_for_all_motor_controllers_that_it_is_told_of) {
     EXPECT_FALSE(status_.failsafe);
 }
 
+TEST_F(SequenceTest, more_motor_controllers_than_there_are_flags_are_as_many_as_flags) {
+    has_escs_ = true;
+    escs_ = {.esc_online_flags = 0xFFFF, .esc_count = 255};
+    run(5.0);
+    EXPECT_TRUE(is_armed());
+}
+
 TEST_F(SequenceTest, a_lost_motor_controller_in_flight_lands_it_for_good) {
     has_escs_ = true;
     run_until(Arming::kArmed, Nav::kHold);
