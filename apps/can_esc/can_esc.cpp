@@ -44,6 +44,7 @@ void CanEsc::configure(const CanEscParams& params) {
     node_id_ = static_cast<uint8_t>(params.node_id);
     count_ = static_cast<unsigned>(std::clamp<int32_t>(params.esc_count, 1, kMost));
     offline_timeout_us_ = math::saturate<uint32_t>(params.offline_timeout * 1e6F);
+    interval_us_ = static_cast<uint64_t>(std::max<int32_t>(params.command_interval, 1));
 }
 
 bool CanEsc::is_online(const Esc& esc, uint64_t now_us) const {
@@ -121,10 +122,21 @@ EscStatus CanEsc::report(uint64_t now_us) {
     return result;
 }
 
+// The node's timer sees samples that its trigger has thinned out. What is due is what
+// `min_interval` of the same length lets through: the first sample of each interval, counted from
+// time 0.
+bool CanEsc::is_due(const CanEscPorts& ports) {
+    if (!ports.motors) return ports.now >= next_stop_us_;
+    const uint64_t sample_us = ports.motors->timestamp;
+    if (!ports.motors.is_new() || sample_us < next_command_us_) return false;
+    next_command_us_ = (sample_us / interval_us_ + 1) * interval_us_;
+    return true;
+}
+
 void CanEsc::step(CanEscPorts& ports) {
     if (ports.params.is_new()) configure(*ports.params);
     while (ports.can.next()) receive(*ports.can);
-    if (ports.motors.is_new() || (!ports.motors && ports.now >= next_stop_us_)) {
+    if (is_due(ports)) {
         next_stop_us_ = ports.now + kStopPeriod_us;
         command(ports);
     }

@@ -11,8 +11,8 @@
 
 namespace stator {
 
-// Commands go out when they come, and reports 10 times a second. Without a command, or with one
-// that is too old, every motor is told to stop.
+// Commands go out as they come, one an interval at most, and reports 10 times a second. Without a
+// command, or with one that is too old, every motor is told to stop.
 class CanEsc {
   public:
     CanEsc();
@@ -32,6 +32,7 @@ class CanEsc {
     void receive(const CanFrame& received);
     bool is_plausible(const Report& report, uint64_t now_us) const;
     bool is_online(const Esc& esc, uint64_t now_us) const;
+    bool is_due(const CanEscPorts& ports);
     void command(CanEscPorts& ports);
     void announce_arming(CanEscPorts& ports);
     EscStatus report(uint64_t now_us);
@@ -43,6 +44,8 @@ class CanEsc {
     std::array<Esc, kMost> escs_{};
     uint64_t offline_timeout_us_ = 0;
     uint64_t next_report_us_ = 0;
+    uint64_t interval_us_ = 1;
+    uint64_t next_command_us_ = 0;
     uint64_t next_stop_us_ = 0;
     unsigned count_ = 0;
     uint16_t reports_ = 0;

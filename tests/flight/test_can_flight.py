@@ -33,3 +33,7 @@ def test_it_flies_and_every_part_is_heard(tmp_path: Path) -> None:
     assert set(fixes["fix_type"]) == {3}
     bus = data["can_interface_status"]
     assert (bus["tx_lost"][-1], bus["rx_lost"][-1]) == (0, 0)
+    # 400 commands a second, 10 words on arming and 1 on the node's state. Before the first command,
+    # motors are told to stop.
+    sent_hz = bus["frames_tx"][-1] / facts["duration_s"]
+    assert 409 < sent_hz < 412

@@ -100,6 +100,7 @@ struct Esc : ::testing::Test {
     CanEsc node;
     CanEscParams params{.node_id = kOwnId,
                         .esc_count = 4,
+                        .command_interval = 2500,
                         .first_node = 20,
                         .last_node = 23,
                         .offline_timeout = 1.0F};
@@ -124,6 +125,16 @@ TEST_F(Esc, commands_go_out_and_a_stopped_motor_is_zero) {
     EXPECT_EQ(command.cmd.items[2], 8191);
     EXPECT_EQ(command.cmd.items[3], 0);
     EXPECT_EQ(newest.timestamp_sample, 7U);
+}
+
+TEST_F(Esc, the_first_sample_of_each_interval_goes_out) {
+    for (const uint64_t sample_us : {0, 1000, 2000, 3000, 4000, 5000, 6000, 7000, 8000, 10'000}) {
+        ActuatorMotors motors{.timestamp = 1'000'000 + sample_us, .timestamp_sample = sample_us};
+        step(nullptr, &motors);
+        now_us += 1000;
+    }
+    EXPECT_EQ(commands, 5U) << "0, 3, 5, 8, 10 ms, as min_interval has it";
+    EXPECT_EQ(newest.timestamp_sample, 10'000U);
 }
 
 TEST_F(Esc, without_commands_all_are_told_to_stop) {
