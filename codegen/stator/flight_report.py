@@ -100,18 +100,19 @@ def _mission_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     return rows
 
 
-def log_row(facts: dict[str, object]) -> tuple[str, str]:
+def log_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     log = Path(str(facts["log"]))
     size = f"{shown_path(log)} ({log.stat().st_size / 1e6:.1f} MB)"
-    if "recording_bytes_per_s" not in facts:
-        return "log", size
-    rate = f"at most {_kilobytes(facts['recording_bytes_per_s'])} with the recording"
-    if facts["storage_bytes_per_s"] is None:
-        return "log", f"{size}: {rate}"
-    takes = f"{facts['storage_board']} stores {_kilobytes(facts['storage_bytes_per_s'])}"
-    if facts["recording_bytes_per_s"] > facts["storage_bytes_per_s"]:  # type: ignore[operator]
-        takes += ": TOO MUCH for it"
-    return "log", f"{size}: {rate}; {takes}"
+    most, stored = facts.get("recording_bytes_per_s"), facts.get("storage_bytes_per_s")
+    if most is None:
+        return [("log", size)]
+    rows = [("log", f"{size}: at most {_kilobytes(most)} with the recording")]
+    if stored is not None:
+        takes = f"{facts['storage_board']} takes {_kilobytes(stored)}"
+        if int(str(most)) > int(str(stored)):
+            takes += ": TOO LITTLE for the most; --no-record leaves the recording out"
+        rows.append(("storage", takes))
+    return rows
 
 
 def _kilobytes(rate: object) -> str:
@@ -124,7 +125,7 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         speed = f"{facts['duration_s']:.1f} s at {facts['speed_vs_real_time']:.0f} times real time"
         counts = f"{facts['activations']:,} activations, {facts['lost_samples']} samples lost"
         rows.append(("run", f"{speed}; {counts}"))
-    rows.append(log_row(facts))
+    rows += log_rows(facts)
     if facts["missed_life_signs"]:
         missed = f"{facts['missed_life_signs']} life signs missed; the log says whose"
         rows.append(("silent", missed))

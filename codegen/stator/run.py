@@ -24,7 +24,7 @@ from stator.flight_arguments import (
     recording_of,
 )
 from stator.flight_facts import default_log, facts_of
-from stator.flight_report import flight_rows, log_row, show
+from stator.flight_report import flight_rows, log_rows, show
 from stator.link import DEFAULT as LINK
 from stator.link import free_place, socket_place
 from stator.nonvolatile import add_nonvolatile_argument, nonvolatile_of, nonvolatile_rows, told_of
@@ -156,7 +156,7 @@ def main(arguments: argparse.Namespace) -> int:
         print(json.dumps(facts, indent=2))
     else:
         rows = [*flight_rows(facts), *_run_rows(facts), *nonvolatile_rows(facts)]
-        show(facts, [*rows, *_restart_rows(earlier), log_row(facts)])
+        show(facts, [*rows, *_restart_rows(earlier), *log_rows(facts)])
     if finished.returncode > SIGNALLED:
         return finished.returncode
     return 0 if facts["success"] else ANSWER_IS_NO

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stator.flight import CALM, IN_WIND
-from stator.flight_report import flight_rows
+from stator.flight_report import flight_rows, log_rows
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 FACTS: dict[str, Any] = {
     "mission": "square",
@@ -77,3 +80,18 @@ def test_a_missions_rows() -> None:
         "take-off  at 5.78 s",
         "touchdown at 49.67 s with 0.45 m/s (limit 1 m/s)",
     ]
+
+
+def test_a_storage_that_may_not_take_the_recording_is_told(tmp_path: Path) -> None:
+    log = tmp_path / "flight.ulg"
+    log.write_bytes(bytes(1_200_000))
+    facts: dict[str, Any] = {"log": str(log)}
+    assert log_rows(facts) == [("log", f"{log} (1.2 MB)")]
+    facts |= {"recording_bytes_per_s": 461_000, "storage_bytes_per_s": None, "storage_board": "x"}
+    at_most = ("log", f"{log} (1.2 MB): at most 461 kB/s with the recording")
+    assert log_rows(facts) == [at_most]
+    facts["storage_bytes_per_s"] = 461_000
+    assert log_rows(facts) == [at_most, ("storage", "x takes 461 kB/s")]
+    facts["storage_bytes_per_s"] = 460_000
+    too_little = "x takes 460 kB/s: TOO LITTLE for the most; --no-record leaves the recording out"
+    assert log_rows(facts) == [at_most, ("storage", too_little)]
