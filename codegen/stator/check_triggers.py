@@ -12,7 +12,7 @@ from stator.period import spelled_us
 if TYPE_CHECKING:
     from stator.diagnostics import Report
     from stator.model import Board, Interface
-    from stator.shapes import Record
+    from stator.shapes import Leaf, Record
 
 KINDS = ("irq", "topic", "every")
 # Keys that go with one kind of trigger only.
@@ -48,6 +48,7 @@ class TriggerReader:
                 self._check_line(trigger, boards)
             elif trigger.kind == "topic":
                 self._check_topic(trigger)
+        self._check_timer(leaf)
         timers = sum(trigger.kind == "every" for trigger in triggers.values())
         if timers > MOST_TIMERS:
             self._report.error(
@@ -57,6 +58,18 @@ class TriggerReader:
                 "share them out among several nodes",
             )
         return tuple(triggers.values())
+
+    def _check_timer(self, leaf: Leaf | None) -> None:
+        if leaf is None or not self._interface.needs_timer:
+            return
+        if any("every" in record.keys for record in leaf.value):
+            return
+        self._report.error(
+            leaf.mark,
+            "timer-missing",
+            f"'{self._node}' has no timer, and '{self._interface.name}' needs one",
+            "add one to its triggers, for example {every: 10 ms}",
+        )
 
     def _trigger(self, record: Record) -> Trigger | None:
         kinds = [kind for kind in KINDS if kind in record.keys]

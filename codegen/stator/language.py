@@ -231,6 +231,7 @@ INTERFACE = Struct(
         "publishes_params": Key(
             Boolean(), "The node changes and publishes the parameters of all nodes."
         ),
+        "needs_timer": Key(Boolean(), "One of the node's triggers must be `every`."),
     }
 )
 

@@ -101,6 +101,7 @@ class Interface:
     params: dict[str, Param]
     reads_log: bool
     publishes_params: bool
+    needs_timer: bool
     failsafe: Failsafe | None
     params_message: Message | None
 

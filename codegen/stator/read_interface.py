@@ -64,6 +64,7 @@ def read_interface(library: Library, name: str, path: Path, *, is_app: bool) -> 
         params=params,
         reads_log=record.value("reads_log", False),
         publishes_params=record.value("publishes_params", False),
+        needs_timer=record.value("needs_timer", False),
         failsafe=failsafe,
         params_message=params_message(name, params, Mark(path, 1, 1)),
     )

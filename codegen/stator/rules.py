@@ -48,6 +48,7 @@ RULES = {
     "line-unknown": "the device has no such line",
     "line-not-on-board": "the board does not wire the line",
     "irq-needs-device": "only a node with a device has lines",
+    "timer-missing": "a node that needs a timer has none",
     "field-type": "a field of a type messages do not have",
     "name-clash": "two things that generated code would give one name",
     "message-too-large": "a message larger than a slot may be",
