@@ -1,6 +1,8 @@
 // A receiver of satellite navigation on a CAN bus.
 #include "can_gnss.hpp"
 
+#include <cstddef>
+
 #include "stator/dronecan/port.hpp"
 #include "stator/math/quotient.hpp"
 #include "stator/scalar.hpp"
@@ -43,7 +45,7 @@ bool is_plausible(const Fix& fix) {
 }
 
 // Variance of component `index` of north, east, down position and velocity; negative if untold.
-float variance(const Fix& fix, unsigned index) {
+float variance(const Fix& fix, std::size_t index) {
     if (fix.covariance.count == kDiagonal) return fix.covariance.items[index];
     if (fix.covariance.count == kWhole) return fix.covariance.items[(kDiagonal + 1) * index];
     return -1.0F;

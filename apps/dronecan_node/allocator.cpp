@@ -9,7 +9,7 @@ namespace stator {
 
 namespace {
 
-constexpr uint64_t kFollowUp_us = 1000 * Allocator::Message::kFollowupTimeoutMs;
+constexpr uint64_t kFollowUp_us = uint64_t{1000} * Allocator::Message::kFollowupTimeoutMs;
 
 }  // namespace
 

@@ -23,6 +23,6 @@ extern NonvolatileSim::Device nonvolatile0;  // there is none: loading fails
 extern StorageFile::Device log_storage;
 
 // Before the graph starts: what to replay. It must outlive the run.
-void replay(const Recording& recording);
+void replay(const Recording& chosen);
 
 }  // namespace stator::board

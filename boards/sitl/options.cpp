@@ -66,8 +66,9 @@ bool read_pilot(const char* path, Pilot& pilot) {
         return false;
     }
     std::string script;
-    for (std::array<char, 4096> part;
-         const std::size_t size = std::fread(part.data(), 1, part.size(), file);) {
+    std::array<char, 4096> part;
+    std::size_t size = 0;
+    while ((size = std::fread(part.data(), 1, part.size(), file)) != 0) {
         script.append(part.data(), size);
     }
     const bool is_read = std::ferror(file) == 0;
