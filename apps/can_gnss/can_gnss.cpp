@@ -101,7 +101,7 @@ SensorGps CanGnss::sample(const Fix& fix, const CanGnssParams& params) const {
         horizontal = math::sqrt(0.5F * (variance(fix, 0) + variance(fix, 1)));
         vertical = math::sqrt(variance(fix, 2));
         speed = math::sqrt(math::max(variance(fix, 3), 0.0F));
-    } else if (geometry_us_ != 0 && receiver_.begun_us() - geometry_us_ <= kSilence_us) {
+    } else if (geometry_us_ != 0 && receiver_.begun_us() <= geometry_us_ + kSilence_us) {
         horizontal = geometry_.hdop * params.range_error;
         vertical = geometry_.vdop * params.range_error;
     }

@@ -273,6 +273,16 @@ TEST_F(Gnss, without_covariance_the_geometry_tells_the_error) {
     EXPECT_TRUE(math::is_nan(newest.s_variance_m_s));
 }
 
+TEST_F(Gnss, a_geometry_that_comes_in_the_middle_of_a_fix_counts_for_it) {
+    std::vector<CanFrame> frames = frames_of(fix(), 40, 1'000'000);
+    const auto last = frames.back();
+    frames.pop_back();
+    feed(frames);
+    feed(frames_of(Auxiliary{.hdop = 0.75F, .vdop = 1.5F}, 40, 1'001'000));
+    ASSERT_EQ(feed({last}), 1U);
+    EXPECT_EQ(newest.eph, 1.5F);
+}
+
 TEST_F(Gnss, an_impossible_fix_is_dropped_and_the_next_one_taken) {
     Fix2 far = fix();
     far.latitude_deg_1e8 = 9'000'000'001;
