@@ -4,7 +4,7 @@
 namespace stator {
 
 void SystemBoard::step(SystemPorts& ports) {
-    if (ports.restart.is_new()) {
+    if (ports.restart.is_new() && !is_asked_) {
         is_asked_ = true;
         asked_us_ = ports.now;
     }

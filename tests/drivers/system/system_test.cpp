@@ -45,6 +45,11 @@ TEST_F(System, a_request_is_done_once_the_answer_had_half_a_second) {
     EXPECT_EQ(restarts, 1) << "once";
 }
 
+TEST_F(System, who_asks_again_and_again_does_not_put_it_off) {
+    for (unsigned i = 0; i < 3; ++i) run(4, &request);
+    EXPECT_EQ(restarts, 1);
+}
+
 TEST_F(System, who_arms_meanwhile_flies) {
     run(5, &request);
     armed = true;
