@@ -45,6 +45,14 @@ class Row:
     missed_life_signs: int
 
 
+@dataclass(frozen=True)
+class Span:
+    """Between two looks, by the graph's clock and by the one that execution times are part of."""
+
+    graph_us: int
+    machine_us: float
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_link_arguments(parser)
     parser.add_argument(
@@ -134,8 +142,9 @@ def facts_of(info: Info, time_us: int) -> dict[str, object]:
 def measure(link: Link, info: Info, plan: Plan, interval_s: float) -> tuple[int, list[Row]]:
     """Two looks, and what lies between them."""
     begin_us, first = link.tasks(info.tasks)
+    begin_s = time.monotonic()
     before, busy = first, [0] * info.tasks
-    end_s = time.monotonic() + interval_s
+    end_s = begin_s + interval_s
     while (left_s := end_s - time.monotonic()) > 0:
         time.sleep(min(left_s, LONGEST_LOOK_S))
         end_us, after = link.tasks(info.tasks)
@@ -143,8 +152,11 @@ def measure(link: Link, info: Info, plan: Plan, interval_s: float) -> tuple[int,
             busy[i] += (after[i].ticks - before[i].ticks) % WRAP
         before = after
     span_us = max(end_us - begin_us, 1)
+    # CPU time is the machine's, whose clock may be faster than the graph's: run --speed.
+    machine_us = (time.monotonic() - begin_s) * 1e6 if info.unit == "cpu_time" else span_us
+    span = Span(span_us, machine_us)
     return end_us, [
-        _row(task, first[i], before[i], busy[i], span_us, plan, info)
+        _row(task, first[i], before[i], busy[i], span, plan, info)
         for i, task in enumerate(plan.tasks)
     ]
 
@@ -154,7 +166,7 @@ def _row(
     before: TaskFigures,
     after: TaskFigures,
     busy: int,
-    span_us: int,
+    span: Span,
     plan: Plan,
     info: Info,
 ) -> Row:
@@ -168,8 +180,8 @@ def _row(
         task=task.node.name,
         level=task.level,
         activations=after.activations,
-        per_s=count * 1e6 / span_us,
-        load_pct=None if busy_us is None else 100.0 * busy_us / span_us,
+        per_s=count * 1e6 / span.graph_us,
+        load_pct=None if busy_us is None else 100.0 * busy_us / span.machine_us,
         last_us=us(after.last_ticks),
         mean_us=busy_us / count if busy_us is not None and count else None,
         max_us=us(after.most_ticks),

@@ -103,7 +103,6 @@ def test_top_shows_what_each_task_takes(
     for row in tasks.values():
         assert row["activations"] > 0, row
         assert 0 < row["last_us"] <= row["max_us"], row
-        assert row["load_pct"] == pytest.approx((row["mean_us"] or 0) * row["per_s"] * 1e-4)
     # What the tasks take is part of what the process takes; the looks lie a little further apart
     # than the interval.
     assert 0 < sum(row["load_pct"] for row in tasks.values()) * 0.01 * interval_s <= used_s
