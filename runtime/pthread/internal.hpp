@@ -34,6 +34,8 @@ void ask_for_memory(const Settings& settings);
 void prepare_thread(const char* name);
 // How long the machine takes for what is so long by the graph's clock.
 uint64_t machine_ns(uint64_t duration_ns);
+// How much the graph's clock makes of so long a time of the machine; at least 1.
+uint64_t graph_us(uint64_t duration_us);
 
 // Above those of all levels, as interrupts are.
 inline constexpr unsigned kDevicePriority = 16;

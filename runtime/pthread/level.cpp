@@ -184,6 +184,10 @@ uint64_t machine_ns(uint64_t duration_ns) {
                         : static_cast<uint64_t>(static_cast<double>(duration_ns) / speed) + 1;
 }
 
+uint64_t graph_us(uint64_t duration_us) {
+    return std::max<uint64_t>(static_cast<uint64_t>(static_cast<double>(duration_us) * speed), 1);
+}
+
 uint64_t thread_cpu_ns() {
     return time_ns(CLOCK_THREAD_CPUTIME_ID);
 }

@@ -42,7 +42,7 @@ uint32_t copy_newest(const Topic& topic, uint8_t* to, size_t bytes) {
 
 namespace {
 
-constexpr uint64_t kPause_us = 1000;
+constexpr uint64_t kPause_us = 1000;  // of the machine's time: who asks lives in that
 constexpr unsigned kMostClients = 8;
 constexpr int kMostWaiting = 16;  // to be accepted
 constexpr TickSource kNanosecondsOfCpu{1'000'000'000, 2, 1};
@@ -198,9 +198,13 @@ const sockaddr* plain_address() {
     return reinterpret_cast<const sockaddr*>(&address);
 }
 
-bool refuse(const char* why) {
-    std::fprintf(stderr, "error: no link at '%s': %s\n", address.sun_path, why);
+bool refuse(const char* path, const char* why) {
+    std::fprintf(stderr, "error: no link at '%s': %s\nhint: name another place: --link PATH\n",
+                 path, why);
     return false;
+}
+bool refuse(const char* why) {
+    return refuse(address.sun_path, why);
 }
 
 // A socket that a run left behind when it was killed: nobody listens.
@@ -215,7 +219,9 @@ bool is_stale() {
 }
 
 bool make_socket() {
+    events = epoll_create1(EPOLL_CLOEXEC);
     listener = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (events < 0 || listener < 0) return refuse(std::strerror(errno));
     const FolderLock lock(address.sun_path);
     if (is_stale()) unlink(address.sun_path);
     if (bind(listener, plain_address(), sizeof address) != 0) {
@@ -231,12 +237,10 @@ bool make_socket() {
 
 bool offer_link(const char* path) {
     if (std::strlen(path) >= sizeof address.sun_path) {
-        std::fprintf(stderr, "error: no link at '%s': the path is too long for a socket\n", path);
-        return false;
+        return refuse(path, "the path is too long for a socket");
     }
     address.sun_family = AF_UNIX;
     std::strcpy(address.sun_path, path);
-    events = epoll_create1(EPOLL_CLOEXEC);
     clients.reserve(kMostClients);
     return make_socket() &&
            (wait_for(EPOLL_CTL_ADD, listener, EPOLLIN) || refuse(std::strerror(errno)));
@@ -253,7 +257,7 @@ uint64_t next_link_turn_us(uint64_t now_us) {
 void serve_link(uint64_t now_us) {
     epoll_event event{};
     if (epoll_wait(events, &event, 1, 0) != 1) return;
-    next_turn_us = now_us + kPause_us;
+    next_turn_us = now_us + graph_us(kPause_us);
     if (event.data.fd == listener) {
         accept_client(now_us);
     } else {

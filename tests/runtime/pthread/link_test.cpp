@@ -33,9 +33,9 @@ class LinkTest : public ::testing::Test {
         EXPECT_NE(access(path_.c_str(), F_OK), 0) << "finish removes it";
         rmdir(folder_.c_str());
     }
-    void begin() {
+    void begin(double speed = 1.0) {
         ASSERT_TRUE(offer_link(path_.c_str()));
-        ASSERT_TRUE(start());
+        ASSERT_TRUE(start({.speed = speed}));
         started_ = true;
     }
     static void serve_for(uint64_t time_us) { wait_until(clock_us() + time_us); }
@@ -141,6 +141,21 @@ TEST_F(LinkTest, serves_several_at_once_and_whoever_comes_after_them) {
     EXPECT_FALSE(askers[1]->is_answered(22));
     EXPECT_EQ(askers[1]->answer(), Bytes{});
     EXPECT_TRUE(askers[1]->has_ended());
+}
+
+// Whoever looks lives in the machine's time: in a second of it there are many turns, also where a
+// millisecond passes for the graph.
+TEST_F(LinkTest, a_slower_clock_does_not_slow_answers) {
+    begin(0.001);
+    Asker asker(path_);
+    constexpr uint8_t kRequests = 8;  // some turns of 32 bytes
+    for (uint8_t i = 0; i < kRequests; ++i) asker.send(request(Request::kInfo, i));
+    serve_for(1000);
+    for (uint8_t i = 0; i < kRequests; ++i) {
+        const Bytes body = asker.answer(900);  // it is there, or waited for once
+        ASSERT_GT(body.size(), 2U) << "answer " << int{i};
+        EXPECT_EQ(body[1], i);
+    }
 }
 
 // Thousands of requests, of which no answer is read; and bytes that never end a frame.
