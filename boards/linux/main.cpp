@@ -5,6 +5,9 @@
 // whole, or the graph did not come to rest or has a task that does not end; 2 a wrong argument, a
 // file that cannot be opened, or a machine without the threads; 3 the run ended in order because
 // somebody who may asked for a restart: start it again; 128 + its number: a signal ended the run.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -26,10 +29,28 @@ constexpr int kRestart = 3;  // as codegen/stator/run.py has it
 
 board::RealWorld* the_world = nullptr;
 
+// False: it is a file, and another run has it.
+bool is_alone(int file) {
+    struct stat facts {};
+    const bool is_regular = fstat(file, &facts) == 0 && S_ISREG(facts.st_mode);
+    return !is_regular || flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+
+// A file is emptied once it is this run's alone: two that write one would report the same flight.
 [[nodiscard]] bool open(const char* path, std::FILE*& file) {
     if (path == nullptr) return true;
-    file = std::fopen(path, "wb");
-    if (file != nullptr) return true;
+    constexpr mode_t kMode = 0666;
+    const int descriptor = ::open(path, O_WRONLY | O_CREAT | O_CLOEXEC, kMode);
+    if (descriptor >= 0 && !is_alone(descriptor)) {
+        std::fprintf(stderr,
+                     "error: '%s' is being written by another run\n"
+                     "hint: end that one, or name another log: -o LOG\n",
+                     path);
+        return false;
+    }
+    file = descriptor < 0 ? nullptr : fdopen(descriptor, "wb");
+    // What has no length, such as a pipe, is not emptied.
+    if (file != nullptr && (ftruncate(descriptor, 0) == 0 || errno == EINVAL)) return true;
     std::fprintf(stderr, "error: cannot open '%s': %s\n", path, std::strerror(errno));
     return false;
 }

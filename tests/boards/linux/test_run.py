@@ -236,6 +236,28 @@ def test_a_log_that_cannot_be_opened_is_told(
     assert "error: cannot open '/nowhere/run.ulg'" in capsys.readouterr().err
 
 
+def test_the_log_of_another_run_is_left_to_it(
+    program: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = tmp_path / "one.ulg"
+    with subprocess.Popen([program, "--duration", "3600", "--log", log]) as other:
+        while not log.is_file() or log.stat().st_size < 20_000:
+            time.sleep(0.05)
+        assert main(["run", "--link", LINK, "-o", str(log)]) == 2
+        assert f"'{log}' is being written by another run\nhint: " in capsys.readouterr().err
+        other.terminate()
+    assert ULog(str(log)).data_list
+
+
+@pytest.mark.usefixtures("program")
+def test_what_was_in_a_log_before_is_gone(tmp_path: Path) -> None:
+    log = tmp_path / "again.ulg"
+    log.write_bytes(bytes(10_000_000))
+    run("--duration", "0.5", "-o", str(log))
+    assert log.stat().st_size < 10_000_000
+    assert ULog(str(log)).data_list
+
+
 @pytest.mark.long
 @pytest.mark.usefixtures("program")
 def test_the_quad_flies(tmp_path: Path) -> None:
