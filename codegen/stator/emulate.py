@@ -31,7 +31,7 @@ from stator.flight_facts import default_log, facts_of, keep
 from stator.flight_report import report
 from stator.library import HOME
 from stator.link import DEFAULT as LINK
-from stator.link import socket_place
+from stator.link_place import socket_place
 from stator.progress import progress
 
 # boards/qemu_f405/link.hpp

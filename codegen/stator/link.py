@@ -27,57 +27,8 @@ INFO, TASKS, SAMPLE, FAULT = 1, 2, 3, 4
 VERSION = 1
 ANSWER_S = 0.5  # until a request is sent again
 MOST_TRIES = 10
-MOST_SOCKET_PATH = 100  # bytes; the system takes 107
 UNITS = ("cycles", "instructions", "cpu_time")
 TASK = struct.Struct("<7I")
-
-
-# --- places for sockets ---
-
-
-def socket_place(path: Path) -> Path:
-    """Where a socket can be made. Raises `UserError` where it cannot."""
-    place = path.resolve()
-    if len(str(place).encode()) > MOST_SOCKET_PATH or "," in str(place):
-        raise UserError(
-            f"error: '{place}' is too long for a socket, or has a comma\n"
-            "hint: name a shorter one: --link /tmp/link"
-        )
-    if place.exists() and not place.is_socket():
-        raise UserError(f"error: '{place}' exists, and is no socket\nhint: name another one")
-    if is_served(place):
-        raise UserError(
-            f"error: '{place}' is the link of something else that runs\n"
-            f"hint: name another one: --link {place}2"
-        )
-    try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"error: no link at '{place}': {error.strerror}") from None
-    return place
-
-
-def free_place() -> Path | None:
-    """The usual place; of several runs at once, the first one that is free. None if Stator lies
-    too deep for a socket."""
-    path, number = DEFAULT, 1
-    while is_served(path):
-        number += 1
-        path = DEFAULT.with_name(f"{DEFAULT.name}{number}")
-    return path if len(str(path).encode()) <= MOST_SOCKET_PATH else None
-
-
-def is_served(path: Path) -> bool:
-    """Whether somebody listens there: a socket that was left behind refuses."""
-    with socket.socket(socket.AF_UNIX) as probe:
-        probe.setblocking(False)
-        try:
-            probe.connect(str(path))
-        except BlockingIOError:  # many wait there already
-            return True
-        except OSError:
-            return False
-    return True
 
 
 class NoLink(UserError):

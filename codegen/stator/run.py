@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import json
 import signal
-import subprocess
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,18 +25,16 @@ from stator.flight_arguments import (
 from stator.flight_facts import default_log, facts_of
 from stator.flight_report import flight_rows, log_rows, show
 from stator.link import DEFAULT as LINK
-from stator.link import free_place, socket_place
+from stator.link_place import free_place, socket_place
+from stator.lives import RESTART, SIGNALLED, run_lives
 from stator.nonvolatile import add_nonvolatile_argument, nonvolatile_of, nonvolatile_rows, told_of
 from stator.progress import progress
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from types import FrameType
+    import subprocess
+    from collections.abc import Iterator
 
-RESTART = 3  # of the program: boards/linux/main.cpp
-LEAST_LIFE_S = 0.1
 LEAST_SPEED = 0.001
-SIGNALLED = 128  # and the number of the signal
 MOST_CPUS = 64
 OWN_FACTS = (
     "missed_samples",
@@ -124,17 +121,15 @@ def main(arguments: argparse.Namespace) -> int:
     program = build(arguments.graph, arguments.board, recording_of(arguments), executor="pthread")
     flies = _flies(arguments)
     memory = nonvolatile_of(arguments, log)
-    link = free_place() if arguments.link is None else socket_place(arguments.link)
-    if not arguments.json:
-        _tell_link(link, chosen=arguments.link is not None)
     name = f"running {arguments.graph.stem} for {arguments.duration:g} s at most; Ctrl-C ends it"
+    with _link_of(arguments) as link:
 
-    def run(duration_s: float) -> subprocess.CompletedProcess[str]:
-        life = argparse.Namespace(**(vars(arguments) | {"duration": duration_s}))
-        return _run(program, log, truth, memory, link, life)
+        def command_of(duration_s: float) -> list[str]:
+            life = argparse.Namespace(**(vars(arguments) | {"duration": duration_s}))
+            return _command(program, log, truth, memory, link, life)
 
-    with progress(name, truth, arguments.duration):
-        finished, earlier = _lives(run, log, arguments.duration)
+        with progress(name, truth, arguments.duration):
+            finished, earlier = run_lives(command_of, log, arguments.duration)
     if finished.returncode == NOT_DONE:
         raise UserError(finished.stderr.rstrip())
     facts = _facts(
@@ -152,21 +147,28 @@ def main(arguments: argparse.Namespace) -> int:
     facts["link"] = None if link is None else str(link)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["speed"] = arguments.speed
-    if arguments.json:
-        print(json.dumps(facts, indent=2))
-    else:
-        rows = [*flight_rows(facts), *_run_rows(facts), *nonvolatile_rows(facts)]
-        show(facts, [*rows, *_restart_rows(earlier), *log_rows(facts)])
+    _report(facts, earlier, as_json=arguments.json)
     if finished.returncode > SIGNALLED:
         return finished.returncode
     return 0 if facts["success"] else ANSWER_IS_NO
 
 
-def _tell_link(link: Path | None, *, chosen: bool) -> None:
+@contextlib.contextmanager
+def _link_of(arguments: argparse.Namespace) -> Iterator[Path | None]:
+    if arguments.link is not None:
+        yield socket_place(arguments.link)
+        return
+    with free_place() as link:
+        if not arguments.json:
+            _tell_link(link)
+        yield link
+
+
+def _tell_link(link: Path | None) -> None:
     """If ./stator top does not find this run by itself."""
     if link is None:
         print("note: ./stator top finds no run here; --link /tmp/link gives one", file=sys.stderr)
-    elif not chosen and link != LINK:
+    elif link != LINK:
         print(
             f"note: another run has {shown_path(LINK)}; look at this one with "
             f"--link {shown_path(link)}",
@@ -191,33 +193,14 @@ def _flies(arguments: argparse.Namespace) -> bool:
     return is_judged(arguments) and (has_motors or not arguments.no_can_parts)
 
 
-def _lives(
-    run: Callable[[float], subprocess.CompletedProcess[str]], log: Path, duration_s: float
-) -> tuple[subprocess.CompletedProcess[str], list[Path]]:
-    """Runs the program, and again each time that it ends because somebody asked for a restart, for
-    the duration in all. The last life, and the logs of those before, which get a number."""
-    earlier: list[Path] = []
-    left_s = duration_s
-    while True:
-        finished = run(left_s)
-        if finished.returncode != RESTART:
-            return finished, earlier
-        left_s -= json.loads(finished.stdout)["simulated_s"]
-        if left_s < LEAST_LIFE_S:
-            return finished, earlier
-        kept = log.with_name(f"{log.name.removesuffix('.ulg')}.{len(earlier) + 1}.ulg")
-        earlier.append(log.rename(kept))
-
-
-def _run(
+def _command(
     program: Path,
     log: Path,
     truth: Path,
     memory: Path | None,
     link: Path | None,
     arguments: argparse.Namespace,
-) -> subprocess.CompletedProcess[str]:
-    """Signals end the program in order, which then says what there was until then."""
+) -> list[str]:
     command = [str(program), "--log", str(log), "--truth", str(truth)]
     command += [] if link is None else ["--link", str(link)]
     command += [*flight_options(arguments), "--speed", f"{arguments.speed:.6f}"]
@@ -229,21 +212,7 @@ def _run(
         command += ["--nonvolatile", str(memory)]
     if arguments.cpus is not None:
         command += ["--cpus", f"{arguments.cpus:x}"]
-    before = {}
-    pipe = subprocess.PIPE
-    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process:
-
-        def pass_on(number: int, _: FrameType | None) -> None:
-            process.send_signal(number)
-
-        for number in (signal.SIGINT, signal.SIGTERM):
-            before[number] = signal.signal(number, pass_on)
-        try:
-            output, errors = process.communicate()
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
-    return subprocess.CompletedProcess(command, process.returncode, output, errors)
+    return command
 
 
 def _facts(
@@ -278,6 +247,14 @@ def _facts(
 
 
 # --- for people ---
+
+
+def _report(facts: dict[str, Any], earlier: list[Path], *, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(facts, indent=2))
+        return
+    rows = [*flight_rows(facts), *_run_rows(facts), *nonvolatile_rows(facts)]
+    show(facts, [*rows, *_restart_rows(earlier), *log_rows(facts)])
 
 
 def _restart_rows(earlier: list[Path]) -> list[tuple[str, str]]:

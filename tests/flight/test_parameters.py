@@ -88,7 +88,8 @@ def test_a_run_of_threads_with_changes_replays_equal(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     log = tmp_path / "threads.ulg"
-    cli.main(["run", str(TUNED), "--duration", "5", "-o", str(log), "--json"])
+    words = ["--duration", "5", "-o", str(log), "--link", str(tmp_path / "link")]
+    cli.main(["run", str(TUNED), *words, "--json"])
     facts = json.loads(capsys.readouterr().out)
     check_changes(ULog(str(log)), 2.0)
     assert facts["unrecorded_activations"] == 0

@@ -26,6 +26,7 @@ def records(tmp_path: Path) -> Path:
 def run(records: Path) -> int:
     log = records.with_suffix(".ulg")
     options = ["--duration", "1.5", "--json", "-o", str(log), "--nonvolatile", str(records)]
+    options += ["--link", str(records.with_suffix(".link"))]
     return cli.main(["run", str(GRAPH), *options])
 
 

@@ -44,7 +44,9 @@ def test_it_ends_a_simulated_flight(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 def test_run_starts_the_process_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = tmp_path / "restart.ulg"
-    facts = facts_of(capsys, "run", "-o", str(log), "--duration", "5")
+    facts = facts_of(
+        capsys, "run", "-o", str(log), "--duration", "5", "--link", str(tmp_path / "link")
+    )
     earlier = [Path(path) for path in facts["logs_before_restart"]]
     assert [path.name for path in earlier] == ["restart.1.ulg", "restart.2.ulg"]
     assert [starts_before(path) for path in [*earlier, log]] == [[], [1], [2]]

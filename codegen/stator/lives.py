@@ -1,0 +1,78 @@
+"""The lives of a program that runs: it is started again where somebody asked for a restart."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from types import FrameType
+
+RESTART = 3  # of the program: boards/linux/main.cpp
+SIGNALLED = 128  # and the number of the signal
+# A life counts as so long at least: one that restarts at once is no run without an end.
+LEAST_LIFE_S = 0.1
+ENDING = (signal.SIGINT, signal.SIGTERM)
+
+
+def run_lives(
+    command_of: Callable[[float], list[str]], log: Path, duration_s: float
+) -> tuple[subprocess.CompletedProcess[str], list[Path]]:
+    """Runs the program, and again each time that it ends because somebody asked for a restart, for
+    the duration in all. The last life, and the logs of those before, which get a number."""
+    earlier: list[Path] = []
+    left_s = duration_s
+    with _Endings() as endings:
+        while True:
+            finished = endings.run(command_of(left_s))
+            if finished.returncode != RESTART:
+                return finished, earlier
+            left_s -= max(json.loads(finished.stdout)["simulated_s"], LEAST_LIFE_S)
+            if endings.heard != 0:
+                finished.returncode = SIGNALLED + endings.heard
+                return finished, earlier
+            if left_s < LEAST_LIFE_S:
+                return finished, earlier
+            kept = log.with_name(f"{log.name.removesuffix('.ulg')}.{len(earlier) + 1}.ulg")
+            earlier.append(log.rename(kept))
+
+
+class _Endings:
+    """Signals end the life that runs in order, which then says what there was until then, and with
+    it the run. None is lost: a program begins with them blocked, and hears them once it can."""
+
+    def __init__(self) -> None:
+        self.heard = 0
+        self._process: subprocess.Popen[str] | None = None
+
+    def __enter__(self) -> _Endings:
+        self._before = {number: signal.signal(number, self._hear) for number in ENDING}
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def run(self, command: list[str]) -> subprocess.CompletedProcess[str]:
+        pipe = subprocess.PIPE
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+        try:
+            process = subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True)
+            self._process = process
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        with process:
+            if self.heard != 0:  # while there was no process
+                process.send_signal(self.heard)
+            output, errors = process.communicate()
+        self._process = None
+        return subprocess.CompletedProcess(command, process.returncode, output, errors)
+
+    def _hear(self, number: int, _: FrameType | None) -> None:
+        self.heard = number
+        if self._process is not None:
+            self._process.send_signal(number)
