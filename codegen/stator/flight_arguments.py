@@ -31,33 +31,53 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
     )
     parser.add_argument("--board", default=board, help=f"{what} (default: {board})")
     parser.add_argument(
+        "--duration",
+        type=duration_of,
+        default=USUAL_DURATION_S,
+        help="most seconds of flight (default: 120, or what a mission may need)",
+    )
+    parser.add_argument(
+        "-o", "--output", type=path, metavar="LOG", help="the log (default: in build/flights)"
+    )
+    parser.add_argument(
+        "--no-record",
+        action="store_true",
+        help="leave out of the log what ./stator replay needs: it is smaller, the flight faster",
+    )
+    parser.add_argument("--json", action="store_true", help="print what programs read")
+    _add_world_arguments(parser)
+
+
+def _add_world_arguments(parser: argparse.ArgumentParser) -> None:
+    world = parser.add_argument_group("the simulated world")
+    world.add_argument(
         "--seed",
         type=seed_of,
         default=1,
         help="of the start, the sensors and their noise (default: 1)",
     )
-    parser.add_argument(
+    world.add_argument(
         "--vary",
         action="store_true",
         help="another mass, inertia, thrust, centre of gravity, delay and biases for each seed",
     )
-    parser.add_argument(
+    world.add_argument(
         "--wind", type=wind_of, default=0.0, metavar="M_S", help="mean wind in m/s (default: 0)"
     )
-    parser.add_argument(
+    world.add_argument(
         "--wind-from",
         type=degrees_of,
         default=0.0,
         metavar="DEG",
         help="where the wind comes from, from north over east (default: 0)",
     )
-    parser.add_argument(
+    world.add_argument(
         "--gusts",
         choices=["none", "light", "moderate", "severe"],
         default="none",
         help="of MIL-F-8785C (default: none)",
     )
-    parser.add_argument(
+    world.add_argument(
         "--fail",
         action="append",
         default=[],
@@ -66,25 +86,12 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         "baro_loss, mission_loss, rc_loss, battery_low[=0..1], motor_1 to motor_4[=0..1]; may be "
         "given several times",
     )
-    parser.add_argument(
+    world.add_argument(
         "--pilot",
         type=path,
         metavar="FILE",
         help="script of sticks and switches (docs/simulation.md)",
     )
-    parser.add_argument(
-        "--duration",
-        type=duration_of,
-        default=USUAL_DURATION_S,
-        help="most seconds of flight (default: 120, or what a mission may need)",
-    )
-    parser.add_argument("-o", "--output", type=path, metavar="LOG", help="where to keep the log")
-    parser.add_argument(
-        "--no-record",
-        action="store_true",
-        help="leave out of the log what ./stator replay needs: it is smaller, the flight faster",
-    )
-    parser.add_argument("--json", action="store_true", help="print what programs read")
 
 
 def flight_options(arguments: argparse.Namespace) -> list[str]:

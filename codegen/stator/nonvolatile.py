@@ -5,23 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stator.cli import make_plan, path
+from stator.cli import make_plan
 from stator.diagnostics import UserError, shown_path
 
 if TYPE_CHECKING:
     import argparse
 
 DEVICE = "nonvolatile0"
-
-
-def add_nonvolatile_argument(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--nonvolatile",
-        type=path,
-        metavar="FILE",
-        help="where records are kept that outlive the run, such as the ids of parts on a CAN bus "
-        "(default: beside the log, with the end .records); without the file, it begins with none",
-    )
 
 
 def nonvolatile_of(arguments: argparse.Namespace, log: Path) -> Path | None:

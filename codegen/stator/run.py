@@ -27,7 +27,7 @@ from stator.flight_report import flight_rows, log_rows, show
 from stator.link import DEFAULT as LINK
 from stator.link_place import free_place, socket_place
 from stator.lives import RESTART, SIGNALLED, run_lives
-from stator.nonvolatile import add_nonvolatile_argument, nonvolatile_of, nonvolatile_rows, told_of
+from stator.nonvolatile import nonvolatile_of, nonvolatile_rows, told_of
 from stator.progress import progress
 
 if TYPE_CHECKING:
@@ -48,7 +48,9 @@ OWN_FACTS = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_flight_arguments(parser, board="linux", what="a board of threads")
-    parser.add_argument(
+    _add_device_arguments(parser)
+    machine = parser.add_argument_group("this machine")
+    machine.add_argument(
         "--speed",
         type=slow_speed_of,
         default=1.0,
@@ -56,10 +58,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="how fast the graph's clock runs, at most 1: under a debugger, valgrind or a "
         "sanitizer, or on a machine that is too slow (default: 1, real time)",
     )
-    parser.add_argument(
+    machine.add_argument(
+        "--cpus",
+        type=cpus_of,
+        metavar="LIST",
+        help="the processors that the graph may use, such as 1 or 0,2-3 (default: all)",
+    )
+    machine.add_argument(
+        "--link",
+        type=path,
+        metavar="PATH",
+        help="where ./stator top, listener and perf find this run (default: build/link, or "
+        "build/link2 and so on if another one has it)",
+    )
+
+
+def _add_device_arguments(parser: argparse.ArgumentParser) -> None:
+    devices = parser.add_argument_group("devices")
+    devices.add_argument(
         "--can", metavar="INTERFACE", help="the CAN interface behind the device can1, such as can0"
     )
-    parts = parser.add_mutually_exclusive_group()
+    parts = devices.add_mutually_exclusive_group()
     parts.add_argument(
         "--no-can-parts",
         action="store_true",
@@ -71,19 +90,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="simulate them on another interface than the vehicle's: a program of yours, or a "
         "bridge, stands between the two",
     )
-    add_nonvolatile_argument(parser)
-    parser.add_argument(
-        "--link",
+    devices.add_argument(
+        "--nonvolatile",
         type=path,
-        metavar="PATH",
-        help="where ./stator top, listener and perf find this run (default: build/link, or "
-        "build/link2 and so on if another one has it)",
-    )
-    parser.add_argument(
-        "--cpus",
-        type=cpus_of,
-        metavar="LIST",
-        help="the processors that the graph may use, such as 1 or 0,2-3 (default: all)",
+        metavar="FILE",
+        help="where records are kept that outlive the run, such as the ids of parts on a CAN bus "
+        "(default: beside the log, with the end .records); without the file, it begins with none",
     )
 
 
