@@ -98,7 +98,8 @@ def test_report_names_every_limit(tmp_path: Path) -> None:
     lines = finished.stdout.splitlines()
     assert lines[0] == "quad on sitl, seed 1: success"
     labels = [line[2:11].strip() for line in lines[1:]]
-    assert labels == ["result", "take-off", "hover", "tilt", "touchdown", "run", "log", "next", ""]
+    flight = ["take-off", "hover", "tilt", "touchdown"]
+    assert labels == ["result", *flight, "run", "log", "storage", "next", ""]
     assert [limit for limit in ("0.15 m)", "0.5 deg)", "0.7 m/s)") if limit in finished.stdout]
     assert all(len(line) <= 100 + len(str(tmp_path)) for line in lines)
 
