@@ -30,7 +30,7 @@ from stator.flight_arguments import (
 from stator.flight_facts import default_log, facts_of, keep
 from stator.flight_report import report
 from stator.library import HOME
-from stator.link import DEFAULT as LINK
+from stator.link_place import DEFAULT as LINK
 from stator.link_place import socket_place
 from stator.progress import progress
 

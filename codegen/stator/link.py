@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING
 from stator.diagnostics import UserError, shown_path
 from stator.fault_record import LAYOUT, FaultRecord, decode
 from stator.library import HOME
+from stator.link_place import served_places
 
 if TYPE_CHECKING:
     from stator.plan import Plan
 
-DEFAULT = HOME / "build" / "link"
 INFO, TASKS, SAMPLE, FAULT = 1, 2, 3, 4
 VERSION = 1
 ANSWER_S = 0.5  # until a request is sent again
@@ -112,11 +112,11 @@ class Link:
         try:
             self._file = self._open()
         except (OSError, termios.error) as error:
-            why = "it is no serial port" if isinstance(error, termios.error) else error.strerror
+            why = "it is no serial port"
+            if isinstance(error, OSError):
+                why = error.strerror or str(error)
             raise NoLink(
-                f"error: nothing runs at {shown_path(path)}: {why}\n"
-                "hint: start something: ./stator run, or ./stator emulate --link --speed 1; or "
-                "name its place: --link /dev/ttyACM0"
+                f"error: nothing runs at {shown_path(path)}: {why}\n{_place_hint()}"
             ) from None
 
     def _open(self) -> int:
@@ -233,6 +233,16 @@ class Link:
         body = self.ask(FAULT)
         record = decode(body[: LAYOUT.size])
         return record if record.cause else None
+
+
+def _place_hint() -> str:
+    others = [f"--link {shown_path(place)}" for place in served_places()]
+    if others:
+        return f"hint: look at what runs elsewhere: {' or '.join(others)}"
+    return (
+        "hint: start something: ./stator run, or ./stator emulate --link --speed 1; or name its "
+        "place: --link /dev/ttyACM0"
+    )
 
 
 def _unit(code: int) -> str:

@@ -9,12 +9,13 @@ from itertools import count
 from typing import TYPE_CHECKING
 
 from stator.diagnostics import UserError
-from stator.link import DEFAULT
+from stator.library import HOME
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+DEFAULT = HOME / "build" / "link"
 MOST_SOCKET_PATH = 100  # bytes; the system takes 107
 
 
@@ -58,6 +59,12 @@ def free_place() -> Iterator[Path | None]:
             if not is_served(place):
                 yield place
                 return
+
+
+def served_places() -> list[Path]:
+    """Those of the usual places where something runs."""
+    places = sorted(DEFAULT.parent.glob(f"{DEFAULT.name}*"))
+    return [place for place in places if place.is_socket() and is_served(place)]
 
 
 def is_served(path: Path) -> bool:

@@ -24,7 +24,7 @@ from stator.flight_arguments import (
 )
 from stator.flight_facts import default_log, facts_of
 from stator.flight_report import flight_rows, log_rows, show
-from stator.link import DEFAULT as LINK
+from stator.link_place import DEFAULT as LINK
 from stator.link_place import free_place, socket_place
 from stator.lives import RESTART, SIGNALLED, run_lives
 from stator.nonvolatile import nonvolatile_of, nonvolatile_rows, told_of

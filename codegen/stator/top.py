@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.fault_record import explain
-from stator.link import DEFAULT, Info, Link, TaskFigures, plan_of
+from stator.link import Info, Link, TaskFigures, plan_of
+from stator.link_place import DEFAULT
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -117,10 +117,10 @@ void stop();
 bool wait_until_idle(uint64_t longest_us);
 
 // Ends the graph in order: no more lines, no more releases; what is pending runs to its end, then
-// the levels end. True if everything came to its end within a second; what was not begun until then
-// is left out, and no thread is left, but for levels with a task that does not end in the second
-// after: they are left running, `unended_task` says which, and SIGINT and SIGTERM end the process
-// again. End it with `_exit` then, as nothing that the task uses may be destroyed.
+// the levels end. True if everything came to its end within a second of the clock; what was not
+// begun until then is left out, and no thread is left, but for levels with a task that does not end
+// in the second after: they are left running, `unended_task` says which, and SIGINT and SIGTERM end
+// the process again. End it with `_exit` then, as nothing that the task uses may be destroyed.
 bool finish();
 // What a level that is left is in; null: the level has ended.
 const Task* unended_task(unsigned level);

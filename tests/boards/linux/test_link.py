@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from stator import cli
+from stator import cli, link_place
 from stator.build import PLAIN, build
 from stator.library import HOME
 from stator.link import Link, NoLink
@@ -150,7 +150,10 @@ def test_another_graph_is_refused(
     assert "a graph called 'waits' runs there" in capsys.readouterr().err
 
 
-def test_nobody_there(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_nobody_there(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(link_place, "DEFAULT", tmp_path / "link")  # others may run now
     for command in (["top"], ["perf"], ["listener", "vehicle_attitude"]):
         assert cli.main([*command, "--link", str(tmp_path / "none")]) == 2
         error = capsys.readouterr().err
