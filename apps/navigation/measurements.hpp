@@ -63,7 +63,9 @@ class Aid {
     bool started() const { return started_; }
     uint64_t last_us() const { return last_us_; }
     bool recent(uint64_t now_us, float seconds) const {
-        return started_ && static_cast<float>(now_us - last_us_) * 1e-6f <= seconds;
+        // A newer measurement of another kind may have come before.
+        const uint64_t age_us = now_us > last_us_ ? now_us - last_us_ : 0;
+        return started_ && static_cast<float>(age_us) * 1e-6f <= seconds;
     }
     // Notes how a measurement went. True if it should be believed all the same: it is the first,
     // or all were left out for `timeout` seconds.
