@@ -1,6 +1,7 @@
 // The same between two bare threads, of the same priorities, that hand over by a futex:
-// `futex_handover SAMPLES [--plain]`.
+// `futex_handover SAMPLES [--plain | --one-cpu]`, as stator_handover.
 #include <linux/futex.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
@@ -54,12 +55,21 @@ void use_fifo(pthread_attr_t& attributes, int level) {
     pthread_attr_setschedparam(&attributes, &parameter);
 }
 
+// As `Settings::cpus` = 1. The threads that are made from here on inherit it.
+void stay_on_one_cpu() {
+    cpu_set_t cpus;
+    CPU_ZERO(&cpus);
+    CPU_SET(0, &cpus);
+    sched_setaffinity(0, sizeof cpus, &cpus);
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
     if (count < 2) return 2;
     rows.resize(std::strtoul(arguments[1], nullptr, 10));
-    const bool plain = count > 2 && std::strcmp(arguments[2], "--plain") == 0;
+    const char* const option = count > 2 ? arguments[2] : "";
+    const bool plain = std::strcmp(option, "--plain") == 0;
     pthread_attr_t of_source;
     pthread_attr_t of_sink;
     pthread_attr_init(&of_source);
@@ -67,6 +77,7 @@ int main(int count, char** arguments) {
     if (!plain) use_fifo(of_source, 9);
     if (!plain) use_fifo(of_sink, 5);
     if (!plain) mlockall(MCL_CURRENT);
+    if (std::strcmp(option, "--one-cpu") == 0) stay_on_one_cpu();
     pthread_t source;
     pthread_t sink;
     const auto run = [](void*) -> void* {
