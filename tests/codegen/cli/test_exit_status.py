@@ -59,7 +59,8 @@ def test_what_a_command_cannot_do(
     folder: Path, capsys: pytest.CaptureFixture[str], command: str
 ) -> None:
     before = sorted(folder.iterdir())
-    assert cli.main(command.format(home=HOME).split()) == 2
+    words = [word.format(home=HOME) for word in command.split()]
+    assert cli.main(words) == 2
     captured = capsys.readouterr()
     assert not captured.out
     assert "error: " in captured.err or "usage: " in captured.err
