@@ -25,7 +25,7 @@ namespace {
 
 using namespace stator;
 
-constexpr int kRestart = 3;  // as codegen/stator/lives.py has it
+constexpr int kRestart = 3;  // as codegen/stator/flight/restarts.py has it
 
 board::RealWorld* the_world = nullptr;
 

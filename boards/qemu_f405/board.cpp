@@ -196,7 +196,7 @@ void hand_over(const link::FromPlant& from) {
 
 }  // namespace
 
-// 8 ns an instruction: codegen/stator/emulate.py.
+// 8 ns an instruction: codegen/stator/emulator/qemu.py.
 extern const TickSource kTickSource{1'000'000'000, 1, 8};
 uint32_t ticks() {
     return kWatchdogTimer.ns();
@@ -290,8 +290,8 @@ void make_safe() {
     if (to_plant.is_open()) static_cast<void>(to_plant.write(&message, sizeof message));
 }
 
-// For the host: codegen/stator/fault_record.py reads it. The flight is over then, as the world has
-// gone on; but tests want to see more resets than one.
+// For the host: codegen/stator/live/fault_record.py reads it. The flight is over then, as the world
+// has gone on; but tests want to see more resets than one.
 void report(const FaultRecord& record) {
     semihosting::print("stator: record ");
     const auto* bytes = reinterpret_cast<const uint8_t*>(&record);

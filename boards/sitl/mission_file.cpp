@@ -1,4 +1,4 @@
-// The bytes of a mission, as codegen/stator/mission.py writes them.
+// The bytes of a mission, as codegen/stator/mission/model.py writes them.
 #include "mission_file.hpp"
 
 #include <bit>

@@ -7,7 +7,7 @@ if(NOT EXISTS "${STATOR_PYTHON}")
     message(FATAL_ERROR "Stator's Python environment is missing; make it with: ./stator setup")
 endif()
 file(GLOB_RECURSE stator_compiler CONFIGURE_DEPENDS
-    "${CMAKE_SOURCE_DIR}/codegen/stator/*.py" "${CMAKE_SOURCE_DIR}/codegen/stator/templates/*.j2")
+    "${CMAKE_SOURCE_DIR}/codegen/stator/*.py" "${CMAKE_SOURCE_DIR}/codegen/stator/emit/templates/*.j2")
 set_property(DIRECTORY "${CMAKE_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${stator_compiler})
 
 set(stator_gen_options)
@@ -17,7 +17,7 @@ elseif(STATOR_REPLAY)
     list(APPEND stator_gen_options --replay)
 endif()
 
-# Generates the C++ of the graph and sets graph_* in the caller (codegen/stator/templates/graph.cmake.j2).
+# Generates the C++ of the graph and sets graph_* in the caller (codegen/stator/emit/templates/graph.cmake.j2).
 macro(stator_generate folder graph board)
     execute_process(
         COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${CMAKE_SOURCE_DIR}/codegen"

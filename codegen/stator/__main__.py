@@ -1,7 +1,95 @@
-"""`./stator`"""
+"""`./stator`: the parser, and the one table of commands."""
 
+from __future__ import annotations
+
+import argparse
 import sys
+from importlib import import_module
+from typing import NamedTuple
 
-from stator.cli import main
+from stator.diagnostics import INTERRUPTED, NOT_DONE, Failed, UserError, show_errors
 
-sys.exit(main(sys.argv[1:]))
+
+class Command(NamedTuple):
+    """A command, whose code is `commands/NAME.py`. ./stator reads these rows, too: one a line."""
+
+    name: str
+    packages: str  # of requirements-apt.txt: "", the name of one, "host" (all but Arm's) or "all"
+    help: str
+
+
+COMMANDS = (
+    Command("check", "", "check a graph and show what it needs"),
+    Command("gen", "", "write the C++ of a graph"),
+    Command("graph", "graphviz", "draw a graph"),
+    Command("explain", "", "say why a node runs when and where it does"),
+    Command("new", "", "write a new app or graph"),
+    Command("fly", "host", "fly a graph in simulation and report"),
+    Command("run", "host", "run a graph in real time on this machine and report"),
+    Command("build", "all", "build a graph's firmware and show what it takes"),
+    Command("flash", "all", "put a graph's firmware onto a board"),
+    Command("emulate", "all", "fly a graph's firmware in an emulator and report"),
+    Command("top", "", "show what each task of a running vehicle does"),
+    Command("listener", "", "print samples of a topic of a running vehicle"),
+    Command("perf", "", "show measurements of a running vehicle beside their bounds"),
+    Command("plot", "", "draw a flight from its log"),
+    Command("replay", "host", "repeat a recorded flight and compare every sample"),
+    Command("score", "host", "score an estimator on recordings"),
+    Command("bench", "host", "measure against peers, as ratios within one run"),
+    Command("test", "all", "run every test"),
+    Command("lint", "host", "check format and style"),
+    Command("schema", "", "print the JSON Schema of graph files, for editors"),
+    Command("setup", "all", "install what is missing"),  # done by ./stator itself
+)
+
+
+def main(argv: list[str]) -> int:
+    """Runs one command; returns the exit status: see diagnostics.py."""
+    try:
+        return _run(argv)
+    except Failed as failed:
+        show_errors(failed)
+        return NOT_DONE
+    except UserError as failed:
+        print(failed, file=sys.stderr)
+        return NOT_DONE
+    except KeyboardInterrupt:
+        print("stator: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        sys.stderr.close()
+        return NOT_DONE
+    except OSError as failed:  # of this machine: no room, no permission, no program
+        print(f"error: cannot use '{failed.filename}': {failed.strerror}", file=sys.stderr)
+        if isinstance(failed, FileNotFoundError):
+            print("hint: if it is a program, ./stator setup installs it", file=sys.stderr)
+        return NOT_DONE
+
+
+def _run(argv: list[str]) -> int:
+    parser = _parser(argv[0] if argv else "")
+    if not argv:
+        print(parser.format_help(), end="", file=sys.stderr)
+        return NOT_DONE
+    arguments = parser.parse_args(argv)
+    status: int = arguments.run(arguments)
+    return status
+
+
+def _parser(chosen: str) -> argparse.ArgumentParser:
+    """Only the chosen command is imported: `check` starts fast."""
+    parser = argparse.ArgumentParser(
+        prog="stator", description="Flight software from one YAML graph."
+    )
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for name, _, text in COMMANDS:
+        command = commands.add_parser(name, help=text, description=text)
+        if name == chosen and name != "setup":
+            module = import_module(f"stator.commands.{name}")
+            module.add_arguments(command)
+            command.set_defaults(run=module.main)
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

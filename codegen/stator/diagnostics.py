@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import lru_cache
@@ -164,3 +165,11 @@ def _lines(file: Path, mtime_ns: int, size: int) -> list[str]:  # they change wi
         return []
     text = Path(file).read_bytes().decode("utf-8-sig", errors="replace")
     return _LINE_END.split(text)
+
+
+def show_errors(failed: Failed) -> None:
+    shown = failed.errors[:100]
+    print("\n\n".join(error.text() for error in shown), file=sys.stderr)
+    count = len(failed.errors)
+    more = f", {count - len(shown)} not shown" if count > len(shown) else ""
+    print(f"\n{count} error{'s' if count > 1 else ''}{more}; nothing was written", file=sys.stderr)

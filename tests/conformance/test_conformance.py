@@ -10,10 +10,10 @@ import pytest
 from tests.conformance.expected import SCENARIOS
 from tests.emulation.firmware_tools import needs_emulator
 
-from stator.build import build
-from stator.cli import make_plan
-from stator.emulate import qemu_command
-from stator.library import HOME
+from stator import HOME
+from stator.build.cmake import build
+from stator.emulator.qemu import qemu_command
+from stator.pipeline import make_plan
 
 GRAPH = HOME / "tests" / "conformance" / "graphs" / "conformance.yaml"
 BOARDS = ("virtual", "threads", "qemu")

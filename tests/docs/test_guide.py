@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from pyulog import ULog
 
-from stator import cli
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
 
 # A fence that names the file it shows: ```yaml messages/Tilt.yaml
 FENCE = re.compile(r"^```(?:yaml|cpp) (\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)

@@ -1,7 +1,7 @@
 """docs/reference.md says what the checker checks."""
 
-from stator.library import HOME
-from stator.reference import reference
+from stator import HOME
+from stator.schema.reference import reference
 
 
 def test_the_page_is_what_the_command_prints() -> None:

@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from stator.emulate import Emulator, NoEmulator, find_emulator
+from stator.emulator.qemu import Emulator, NoEmulator, find_emulator
 
 
 def needs_toolchain() -> None:

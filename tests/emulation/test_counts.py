@@ -11,7 +11,7 @@ from pathlib import Path
 
 from tests.emulation.firmware_tools import needs_emulator
 
-from stator.counts import counts
+from stator.bench.counts import counts
 
 GOLDEN = Path(__file__).with_name("golden") / "counts.txt"
 

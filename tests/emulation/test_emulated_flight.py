@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from tests.emulation.firmware_tools import needs_emulator
 
-from stator import cli
-from stator.build import build, build_plant
-from stator.emulate import FIFOS, Emulator, fly
-from stator.fault_record import in_words
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
+from stator.build.cmake import build, build_plant
+from stator.emulator.qemu import FIFOS, Emulator, fly
+from stator.live.fault_record import in_words
 
 QUAD = HOME / "graph" / "quad.yaml"
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from tests.emulation.firmware_tools import needs_emulator
 
-from stator.build import build, build_plant
-from stator.cli import make_plan
-from stator.emulate import fly
-from stator.fault_record import FaultRecord, active_tasks, explain, records_in
-from stator.library import HOME
-from stator.plan import Plan
+from stator import HOME
+from stator.build.cmake import build, build_plant
+from stator.emulator.qemu import fly
+from stator.live.fault_record import FaultRecord, active_tasks, explain, records_in
+from stator.pipeline import make_plan
+from stator.plan.plan import Plan
 
 GRAPH = HOME / "tests" / "emulation" / "faults" / "faults.yaml"
 MEM_MANAGE, BUS_FAULT, USAGE_FAULT = 4, 5, 6

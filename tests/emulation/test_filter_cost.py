@@ -12,8 +12,8 @@ from pathlib import Path
 
 from tests.emulation.firmware_tools import needs_emulator
 
-from stator.build import build
-from stator.emulate import qemu_command
+from stator.build.cmake import build
+from stator.emulator.qemu import qemu_command
 
 GRAPH = Path(__file__).parent / "graphs" / "filter_cost.yaml"
 GOLDEN = Path(__file__).parent / "golden" / "filter_cost.txt"

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import pytest
 from tests.emulation.firmware_tools import needs_emulator
 
-from stator import cli
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,9 +6,9 @@ import subprocess
 
 from tests.emulation.firmware_tools import needs_emulator
 
-from stator.build import build
-from stator.emulate import qemu_command
-from stator.library import HOME
+from stator import HOME
+from stator.build.cmake import build
+from stator.emulator.qemu import qemu_command
 
 GRAPH = HOME / "tests" / "emulation" / "graphs" / "order.yaml"
 LIMIT_S = 60  # of a program that takes milliseconds; on a hang

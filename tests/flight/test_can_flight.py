@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pyulog import ULog
 
-from stator.library import HOME
+from stator import HOME
 
 COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator", "fly"]
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from stator import cli
-from stator.build import PREEMPTION, build
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
+from stator.build.cmake import PREEMPTION, build
 
 QUAD = HOME / "graph" / "quad.yaml"
 LOGGED = HOME / "graph" / "quad_logged.yaml"

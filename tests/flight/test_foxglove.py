@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from pyulog import ULog
 
-from stator import cli
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
 
 READER = Path(__file__).parent / "foxglove"
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from pyulog import ULog
 
-from stator import cli
+from stator import __main__ as cli
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,9 +12,9 @@ import pytest
 from pyulog import ULog
 from tests.emulation.firmware_tools import needs_emulator
 
-from stator import cli
-from stator.build import PREEMPTION, RECORDING, build
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
+from stator.build.cmake import PREEMPTION, RECORDING, build
 
 QUAD = HOME / "graph" / "quad.yaml"
 TUNED = HOME / "tests" / "apps" / "parameters" / "graphs" / "tuned_quad.yaml"

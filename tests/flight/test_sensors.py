@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from pyulog import ULog
 
-from stator.build import build
-from stator.library import HOME
+from stator import HOME
+from stator.build.cmake import build
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from stator import cli, link_place
-from stator.build import PLAIN, build
-from stator.library import HOME
-from stator.link import Link, NoLink
+from stator import HOME
+from stator import __main__ as cli
+from stator.build.cmake import PLAIN, build
+from stator.live import place as link_place
+from stator.live.link import Link, NoLink
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from stator import cli
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
 
 QUAD = HOME / "graph" / "quad.yaml"
 MIXED = HOME / "tests" / "codegen" / "replay" / "graph" / "mixed.yaml"

@@ -15,10 +15,10 @@ from typing import Any
 import pytest
 from pyulog import ULog
 
-from stator.build import build
-from stator.cli import main
-from stator.flight_log import read_truth
-from stator.library import HOME
+from stator import HOME
+from stator.__main__ import main
+from stator.build.cmake import build
+from stator.flight.log import read_truth
 
 QUAD = HOME / "graph" / "quad.yaml"
 GRAPHS = Path(__file__).parent / "graph"

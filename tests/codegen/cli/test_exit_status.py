@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from stator import cli
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
 
 WRONG = "board: fmu_v2\nnodes:\n  imu0: {devcie: imu0}\n"
 
@@ -74,7 +74,7 @@ def test_what_the_machine_refuses(
     def refused(*_: object) -> None:
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), "/place")
 
-    monkeypatch.setattr("stator.graph_hash.graph_hash", refused)
+    monkeypatch.setattr("stator.plan.hash.graph_hash", refused)
     assert cli.main(["check", str(HOME / "graph" / "quad.yaml"), "--json"]) == 2
     assert capsys.readouterr().err == "error: cannot use '/place': Permission denied\n"
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from stator.junit import Case, Outcome, read_ctest, read_pytest
-from stator.run_tests import closing_lines
+from stator.testing.junit import Case, Outcome, read_ctest, read_pytest
+from stator.testing.run import closing_lines
 
 CTEST = r"""<?xml version="1.0" encoding="UTF-8"?>
 <testsuite name="(empty)" tests="8" failures="3" disabled="1" skipped="3" time="0">

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from stator.lint import CHECKS, TIDY_FOLDER, TIDY_PROGRAMS, cpp_files
+from stator.testing.lint import CHECKS, TIDY_FOLDER, TIDY_PROGRAMS, cpp_files
 
 ROOT = Path(__file__).resolve().parents[3]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from stator.run_tests import EVERYTHING, Selection, select
+from stator.testing.run import EVERYTHING, Selection, select
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -35,9 +35,7 @@ def test_python_takes_long(): pass
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     root = tmp_path / "a b" / "stator"
-    (root / "codegen" / "stator").mkdir(parents=True)
-    for module in ("__init__.py", "run_tests.py", "junit.py"):
-        shutil.copy(ROOT / "codegen" / "stator" / module, root / "codegen" / "stator")
+    shutil.copytree(ROOT / "codegen" / "stator", root / "codegen" / "stator")
     shutil.copy(ROOT / "pyproject.toml", root)
     (root / "CMakeLists.txt").write_text(CMAKE)
     (root / "CMakePresets.json").write_text(PRESETS)
@@ -47,8 +45,8 @@ def project(tmp_path: Path) -> Path:
 
 
 def run(project: Path, *arguments: str) -> tuple[int, list[str]]:
-    code = "import sys; sys.path.insert(0, sys.argv[1]); from stator.run_tests import main; "
-    code += "sys.exit(main(sys.argv[2:]))"
+    code = "import sys; sys.path.insert(0, sys.argv[1]); from stator.__main__ import main; "
+    code += "sys.exit(main(['test', *sys.argv[2:]]))"
     finished = subprocess.run(
         [sys.executable, "-I", "-c", code, str(project / "codegen"), *arguments],
         cwd="/",

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from stator.check import check
-from stator.cli import main
-from stator.emit import emit
-from stator.plan import plan
+from stator.__main__ import main
+from stator.emit.emit import emit
+from stator.graph.check import check
+from stator.plan.plan import plan
 
 ROOT = Path(__file__).resolve().parents[3]
 EXAMPLES = ROOT / "graph" / "examples"

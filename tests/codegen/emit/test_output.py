@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from stator import cli
-from stator.emit import MANIFEST
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
+from stator.emit.emit import MANIFEST
 
 GRAPH = str(HOME / "graph" / "examples" / "timer.yaml")
 

@@ -2,10 +2,10 @@
 
 import pytest
 
-from stator.cli import make_plan
-from stator.explain import explain
-from stator.library import HOME
-from stator.plan import Plan
+from stator import HOME
+from stator.commands.explain import explain
+from stator.pipeline import make_plan
+from stator.plan.plan import Plan
 
 
 @pytest.fixture(scope="module")

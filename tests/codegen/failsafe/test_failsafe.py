@@ -11,9 +11,11 @@ from typing import Any
 import pytest
 import yaml
 
+from stator import HOME
 from stator.diagnostics import Mark, Report
-from stator.failsafe import read_failsafe
-from stator.library import HOME, Library
+from stator.graph.failsafe import read_failsafe
+from stator.graph.messages import find_message
+from stator.graph.sources import Sources
 
 TABLE = HOME / "apps" / "commander" / "failsafe.yaml"
 URGENCY = [
@@ -31,10 +33,10 @@ def read(content: dict[str, Any], folder: Path) -> bool:
     """Whether Stator takes the table."""
     file = folder / "failsafe.yaml"
     file.write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
-    library = Library(HOME, Report())
-    status = library.message("VehicleStatus", Mark(HOME, 1, 1))
+    sources = Sources(HOME, Report())
+    status = find_message(sources, "VehicleStatus", Mark(HOME, 1, 1))
     assert status is not None
-    return read_failsafe(library, file, status) is not None
+    return read_failsafe(sources, file, status) is not None
 
 
 def next_mode(content: dict[str, Any], mode: str, event: str) -> str:

@@ -11,9 +11,10 @@ import pytest
 from tests.codegen.flash.bootloader_model import BootloaderModel
 from tests.emulation.firmware_tools import needs_toolchain
 
-from stator import cli, flash
-from stator.library import HOME
-from stator.px4_bootloader import crc_of_flash
+from stator import HOME
+from stator import __main__ as cli
+from stator.build.px4_bootloader import crc_of_flash
+from stator.commands import flash
 
 # Nodes without devices, so that nothing waits for a driver.
 GRAPH = HOME / "graph" / "examples" / "chain.yaml"

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stator.flight import IN_WIND, Judgement, judge
-from stator.flight_log import (
+from stator.flight.judge import IN_WIND, Judgement, judge
+from stator.flight.log import (
     Flight,
     Floats,
     Truth,

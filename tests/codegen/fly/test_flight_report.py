@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING, Any
 
-from stator.flight import CALM, IN_WIND
-from stator.flight_report import flight_rows, log_rows
+from stator.flight.judge import CALM, IN_WIND
+from stator.flight.report import flight_rows, log_rows
 
 if TYPE_CHECKING:
     from pathlib import Path

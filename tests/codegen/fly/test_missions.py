@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 from pyulog import ULog
 
-from stator.build import build
-from stator.flight_log import read_flight, read_truth
-from stator.mission import packed, read_mission
-from stator.mission_flight import MissionFlight, judge_mission
+from stator.build.cmake import build
+from stator.flight.log import read_flight, read_truth
+from stator.flight.mission import MissionFlight, judge_mission
+from stator.mission.model import packed
+from stator.mission.read import read_mission
 
 ROOT = Path(__file__).parents[3]
 MISSIONS = ROOT / "graph" / "missions"

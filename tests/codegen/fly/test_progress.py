@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from stator.progress import seconds_flown
+from stator.flight.progress import seconds_flown
 
 
 def test_seconds_are_hundreds_of_rows(tmp_path: Path) -> None:

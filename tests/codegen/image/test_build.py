@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from stator import cli
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
 
 
 def test_a_board_without_code_is_refused_before_anything_is_built(

@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 from tests.emulation.firmware_tools import needs_toolchain
 
-from stator.build import build
-from stator.check import check
-from stator.counts import GRAPHS
-from stator.firmware import sizes_of, total_of
-from stator.image_checks import faults_of, sections_of
-from stator.library import HOME
-from stator.plan import plan
+from stator import HOME
+from stator.bench.counts import GRAPHS
+from stator.build.cmake import build
+from stator.build.image import sizes_of, total_of
+from stator.build.image_checks import faults_of, sections_of
+from stator.graph.check import check
+from stator.plan.plan import plan
 
 CORE_VECTORS = 16  # ARMv7-M: the stack pointer and 15 exceptions
 FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-O1", "-std=c++20"]

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from stator.cli import main
+from stator.__main__ import main
 from stator.rules import RULES
 
 BAD = Path(__file__).parent / "bad"
@@ -74,9 +74,9 @@ def test_there_are_a_hundred() -> None:
 
 
 def rules_shown(graph: Path, folder: Path) -> set[str]:
-    from stator.check import check
     from stator.diagnostics import Failed
-    from stator.plan import plan
+    from stator.graph.check import check
+    from stator.plan.plan import plan
 
     given = arguments(graph)
     try:
@@ -98,7 +98,7 @@ def test_every_rule_of_the_code_is_listed() -> None:
     what a shape says is wrong."""
     code = "".join(
         path.read_text(encoding="utf-8")
-        for path in sorted(CODE.glob("*.py"))
+        for path in sorted(CODE.rglob("*.py"))
         if path.name != "rules.py"
     )
     used = set(re.findall(r"\.error\([^\"]*?\"([a-z]+(?:-[a-z]+)+)\"", code))

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from stator.bench_check import write_big_graph
-from stator.check import check
-from stator.plan import Plan, plan
+from stator.bench.check import write_big_graph
+from stator.graph.check import check
+from stator.plan.plan import Plan, plan
 
 
 def calls_of(graph: Path) -> tuple[int, Plan]:

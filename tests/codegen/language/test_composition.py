@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from stator.check import check
 from stator.diagnostics import Failed
-from stator.model import Graph
+from stator.graph.check import check
+from stator.graph.model import Graph
 
 SOURCE = """
 nodes:

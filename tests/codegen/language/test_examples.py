@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from stator.check import check
-from stator.plan import Plan, plan
+from stator.graph.check import check
+from stator.plan.plan import Plan, plan
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "graph" / "examples"
 

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from stator import yaml_tree
-from stator.check import check
 from stator.diagnostics import Error, Failed, Report
+from stator.graph.check import check
+from stator.language import yaml_tree
 from stator.names import reserved_reason
 
 BAD = Path(__file__).parent / "bad"
@@ -247,8 +247,8 @@ def test_every_word_of_cpp_is_taken() -> None:
 
 
 def test_template_code_is_only_text(folder: Path) -> None:
-    from stator.emit import emit
-    from stator.plan import plan
+    from stator.emit.emit import emit
+    from stator.plan.plan import plan
 
     shutil.copytree(BAD / "apps", folder / "own" / "apps")
     shutil.copytree(BAD / "messages", folder / "own" / "messages")

@@ -17,10 +17,10 @@ from random import Random
 import pytest
 from tests.codegen.language.mutate import MARKER, mutate_text, mutate_tree
 
-from stator.check import check
 from stator.diagnostics import Failed
-from stator.emit import emit
-from stator.plan import plan
+from stator.emit.emit import emit
+from stator.graph.check import check
+from stator.plan.plan import plan
 from stator.rules import RULES
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "graph" / "examples"

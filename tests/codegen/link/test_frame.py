@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stator.link import frame, unframe
+from stator.live.link import frame, unframe
 
 
 @pytest.mark.parametrize(

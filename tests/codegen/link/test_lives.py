@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from stator.lives import run_lives
+from stator.flight.restarts import run_lives
 
 if TYPE_CHECKING:
     from pathlib import Path

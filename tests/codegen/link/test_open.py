@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from stator.link import Link, NoLink
+from stator.live.link import Link, NoLink
 
 
 def test_a_device_that_is_no_serial_port_is_refused() -> None:

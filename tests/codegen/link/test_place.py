@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from stator import link_place
-from stator.link import Link, NoLink
-from stator.link_place import free_place
+from stator.live import place as link_place
+from stator.live.link import Link, NoLink
+from stator.live.place import free_place
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 
-from stator import top
-from stator.cli import make_plan
-from stator.library import HOME
-from stator.link import Info, Link, TaskFigures
+from stator import HOME
+from stator.live import figures as top
+from stator.live.link import Info, Link, TaskFigures
+from stator.pipeline import make_plan
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -11,8 +11,17 @@ from typing import Any
 import pytest
 
 from stator.diagnostics import UserError
-from stator.mission import EIGHT, FOREVER_S, LAND, RETURN, TAKEOFF, WAYPOINT, Mission, read_mission
-from stator.mission_plan import to_local
+from stator.mission.model import (
+    EIGHT,
+    FOREVER_S,
+    LAND,
+    RETURN,
+    TAKEOFF,
+    WAYPOINT,
+    Mission,
+)
+from stator.mission.plan_file import to_local
+from stator.mission.read import read_mission
 
 HOME = [47.397742, 8.545594, 488.0]
 NORTH = 47.397742 + 20.0 / 111_183.0  # a degree of latitude there: 111,183 m

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from stator import HOME
 from stator.diagnostics import Failed, UserError
-from stator.library import HOME
-from stator.mission import (
+from stator.mission.model import (
     EIGHT,
     FOREVER_S,
     LAND,
@@ -20,8 +20,8 @@ from stator.mission import (
     WAYPOINT,
     Mission,
     packed,
-    read_mission,
 )
+from stator.mission.read import read_mission
 
 
 def read(text: str, folder: Path) -> Mission:

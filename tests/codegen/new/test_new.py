@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from pyulog import ULog
 
-from stator import cli
+from stator import __main__ as cli
 
 
 def test_a_new_app_in_a_new_graph_flies_as_written(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from stator import cli
+from stator import __main__ as cli
 
 
 @pytest.fixture(scope="module")

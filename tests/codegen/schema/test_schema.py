@@ -13,8 +13,8 @@ import jsonschema
 import pytest
 import yaml
 
-from stator.cli import main
-from stator.json_schema import KINDS, schema
+from stator.__main__ import main
+from stator.schema.json_schema import KINDS, schema
 
 ROOT = Path(__file__).resolve().parents[3]
 BAD = ROOT / "tests" / "codegen" / "language" / "bad"

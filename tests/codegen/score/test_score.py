@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stator import cli, score
-from stator.build import build
+from stator import __main__ as cli
+from stator.build.cmake import build
+from stator.score import attitude as score
 
 DATA = Path(os.environ.get("STATOR_DATA", "/nonexistent")) / "broad"
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])

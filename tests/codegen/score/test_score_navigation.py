@@ -13,7 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stator import cli, flight_recordings, navigation_metrics, navigation_peer, score
+from stator import __main__ as cli
+from stator.score import attitude as score
+from stator.score import navigation_metrics, navigation_peer
+from stator.score import recordings as flight_recordings
 
 DATA = Path(os.environ.get("STATOR_DATA", "/nonexistent"))
 SECONDS = 70

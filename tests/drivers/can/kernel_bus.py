@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from stator.library import HOME
+from stator import HOME
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from tests.drivers.can.kernel_bus import on_bus
 
-from stator.build import build
-from stator.library import HOME
+from stator import HOME
+from stator.build.cmake import build
 
 HERE = Path(__file__).parent
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from stator import cli
-from stator.library import HOME
-from stator.nonvolatile import nonvolatile_rows
+from stator import HOME
+from stator import __main__ as cli
+from stator.flight.nonvolatile import nonvolatile_rows
 
 # Keeps one record at each start.
 GRAPH = HOME / "tests" / "drivers" / "system" / "graph" / "keep.yaml"

@@ -11,10 +11,10 @@ import pytest
 from pyulog import ULog
 from tests.emulation.firmware_tools import needs_emulator
 
-from stator import cli
-from stator.build import build, build_plant
-from stator.emulate import fly
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
+from stator.build.cmake import build, build_plant
+from stator.emulator.qemu import fly
 
 GRAPH = HOME / "tests" / "drivers" / "system" / "graph" / "restart.yaml"
 

@@ -17,10 +17,10 @@ import pytest
 from pyulog import ULog
 from tests.drivers.can.kernel_bus import on_bus
 
-from stator import cli
-from stator.build import RECORDING, build
-from stator.flight_log import Truth, read_truth
-from stator.library import HOME
+from stator import HOME
+from stator import __main__ as cli
+from stator.build.cmake import RECORDING, build
+from stator.flight.log import Truth, read_truth
 
 GRAPH = Path(__file__).parent / "graph" / "short_can.yaml"
 QUAD_CAN = HOME / "graph" / "quad_can.yaml"

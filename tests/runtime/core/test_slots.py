@@ -11,8 +11,8 @@ ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "codegen"))
 
 from stator.diagnostics import Mark  # noqa: E402
-from stator.model import Message, Topic, TopicConfig  # noqa: E402
-from stator.plan_topics import slots_needed  # noqa: E402
+from stator.graph.model import Message, Topic, TopicConfig  # noqa: E402
+from stator.plan.topics import slots_needed  # noqa: E402
 
 EXPLORER = ROOT / "tests" / "runtime" / "core" / "explorer"
 LIST = """

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from tests.emulation.firmware_tools import needs_emulator
 
-from stator.cli import make_plan
-from stator.emit import emit
-from stator.emulate import qemu_command
-from stator.library import HOME
+from stator import HOME
+from stator.emit.emit import emit
+from stator.emulator.qemu import qemu_command
+from stator.pipeline import make_plan
 
 FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-O2"]
 FLAGS += ["-std=c++20", "-Wall", "-Wextra", "-Werror", "-fno-exceptions", "-fno-rtti"]

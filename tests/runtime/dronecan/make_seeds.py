@@ -16,7 +16,7 @@ sys.path[:0] = [str(ROOT / "codegen"), str(Path(__file__).parent)]
 from dronecan.transport import Transfer  # noqa: E402
 from dronecan_values import limits, make, modes, service_or_message  # noqa: E402
 
-from stator.dronecan_codecs import TYPES  # noqa: E402
+from stator.build.dronecan_codecs import TYPES  # noqa: E402
 
 OWN_ID = 10
 

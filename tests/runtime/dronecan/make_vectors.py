@@ -19,7 +19,7 @@ from dronecan.dsdl.parser import PrimitiveType  # noqa: E402
 from dronecan.transport import CompoundValue, Transfer  # noqa: E402
 from dronecan_values import limits, make, modes, pack, service_or_message, single, unpack  # noqa: E402
 
-from stator.dronecan_codecs import TYPES  # noqa: E402
+from stator.build.dronecan_codecs import TYPES  # noqa: E402
 from stator.names import upper_camel  # noqa: E402
 
 CASES = 6  # of each type: all least, all most, the rest at random

@@ -19,7 +19,7 @@ sys.path[:0] = [str(ROOT / "codegen"), str(HERE)]
 
 from dronecan_values import limits, make, modes, pack, renewed, service_or_message, single, unpack  # noqa: E402
 
-from stator.dronecan_codecs import TYPES  # noqa: E402
+from stator.build.dronecan_codecs import TYPES  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from stator.dronecan_codecs import TYPES
+from stator.build.dronecan_codecs import TYPES
 
 ROOT = Path(__file__).resolve().parents[3]
 HERE = Path(__file__).parent
@@ -28,7 +28,7 @@ def fuzzer() -> Path:
     BUILD.mkdir(parents=True, exist_ok=True)
     python = [sys.executable, "-I", "-X", "utf8"]
     codecs = BUILD / "codecs"
-    command = [sys.executable, "-m", "stator.dronecan_codecs", str(codecs)]
+    command = [sys.executable, "-m", "stator.build.dronecan_codecs", str(codecs)]
     subprocess.run(command, cwd=ROOT / "codegen", check=True)
     subprocess.run([*python, str(HERE / "make_seeds.py"), str(BUILD / "seeds")], check=True)
     program = BUILD / "fuzz_transfers"

@@ -1,5 +1,5 @@
-// Topologies by enumeration, and the slot formula of the compiler (codegen/stator/plan.py) once
-// more; a test compares the two.
+// Topologies by enumeration, and the slot formula of the compiler (codegen/stator/plan/topics.py)
+// once more; a test compares the two.
 #include "topology.hpp"
 
 #include <algorithm>

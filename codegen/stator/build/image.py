@@ -1,0 +1,113 @@
+"""The image of a graph: built, checked, in all its file formats, and what each part takes."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stator.build.cmake import build
+from stator.build.image_checks import faults_of
+from stator.build.px4_file import write_px4
+from stator.diagnostics import BuildFailed
+from stator.plan.hash import graph_hash
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from stator.plan.plan import Plan
+
+TOOLS = "arm-none-eabi-"
+
+
+def build_image(graph: Path, board: str | None, variant: Mapping[str, str] | None = None) -> Path:
+    """The graph's image for bare metal. Raises `BuildFailed` if it holds what no image may."""
+    image = build(graph, board, variant, executor="cortex_m")
+    faults = faults_of(image)
+    if faults:
+        raise BuildFailed("\n".join(f"error: {fault}" for fault in faults))
+    return image
+
+
+def total_of(image: Path) -> tuple[int, int]:
+    """Bytes of flash and RAM, without the stack."""
+    lines = subprocess.run(
+        [TOOLS + "size", "-A", image], check=True, capture_output=True, text=True
+    ).stdout.splitlines()
+    size = {line.split()[0]: int(line.split()[1]) for line in lines if line.startswith(".")}
+    return size[".text"] + size[".data"], size[".data"] + size[".bss"]
+
+
+def image_files(plan: Plan, image: Path) -> dict[str, Path]:
+    """The image in the forms that tools want; for a ground station, if the board has an id."""
+    files = {
+        "elf": image,
+        "bin": _convert(image, "binary", ".bin"),
+        "hex": _convert(image, "ihex", ".hex"),
+    }
+    if plan.board.upload is not None:
+        files["px4"] = image.with_name(f"{plan.graph.name}.px4")
+        write_px4(plan, files["bin"].read_bytes(), files["px4"], graph_hash(plan))
+    return files
+
+
+def _convert(image: Path, kind: str, suffix: str) -> Path:
+    result = image.with_suffix(suffix)
+    subprocess.run([TOOLS + "objcopy", "-O", kind, image, result], check=True)
+    return result
+
+
+# Where a symbol belongs: by its namespace, else by the file that its code comes from, else by what
+# is left.
+_NAMESPACES = (
+    (r"stator::tasks::(\w+)::", r"\1"),
+    (r"stator::topics::", "topics"),
+    (r"stator::board::", "board"),
+    (r"stator::math::", "runtime/math"),
+    (r"^stator_fault_stack$", "runtime/cortex_m"),
+)
+_FOLDERS = (
+    (r"/generated/graph_program/tasks/(\w+)\.cpp", r"\1"),
+    (r"/generated/", "generated"),
+    (r"/apps/(\w+)/", r"\1"),
+    (r"/drivers/(\w+)/(\w+)/", r"\1_\2"),
+    (r"/runtime/(\w+)/", r"runtime/\1"),
+    (r"/boards/", "board"),
+    (r"/Eigen/", "Eigen"),
+)
+_OTHERS = ((r"^stator_vectors$|^stator::", "generated"), (r"", "compiler's libraries"))
+_SYMBOL = re.compile(
+    r"^[0-9a-f]+ (?P<bytes>[0-9a-f]+) (?P<kind>\w) (?P<name>[^\t]+)(\t(?P<file>.*):\d+)?$"
+)
+
+
+def sizes_of(image: Path) -> dict[str, tuple[int, int]]:
+    """Bytes of flash and RAM of each part, the largest first. Nodes are optimised into their tasks,
+    so that a task's part is its wrapper and its node. Initialised data takes both flash and RAM;
+    texts, which have no names, and gaps stand under the last part. The stack is not in it."""
+    found: dict[str, list[int]] = {}
+    for match in map(_SYMBOL.match, _symbols(image)):
+        if match is None or match["kind"] in "aAN":
+            continue
+        part = found.setdefault(_part(match["name"], match["file"] or ""), [0, 0])
+        size = int(match["bytes"], 16)
+        part[0] += size if match["kind"] not in "bB" else 0
+        part[1] += size if match["kind"] in "bBdD" else 0
+    sizes = sorted(found.items(), key=lambda item: (-item[1][0], item[0]))
+    rest = [total - sum(s[i] for _, s in sizes) for i, total in enumerate(total_of(image))]
+    return {name: (flash, ram) for name, (flash, ram) in [*sizes, ("texts and gaps", rest)]}
+
+
+def _symbols(image: Path) -> list[str]:
+    command = [TOOLS + "nm", "-S", "-l", "-C", "--defined-only", str(image)]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
+
+
+def _part(name: str, file: str) -> str:
+    """What a person calls the folder that a symbol comes from."""
+    known = [(pattern, name, part) for pattern, part in _NAMESPACES]
+    known += [(pattern, file, part) for pattern, part in _FOLDERS]
+    known += [(pattern, name, part) for pattern, part in _OTHERS]
+    matches = ((re.search(pattern, text), part) for pattern, text, part in known)
+    return next(match.expand(part) for match, part in matches if match)

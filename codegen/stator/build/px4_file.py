@@ -1,0 +1,41 @@
+"""The .px4 file that ground stations upload: JSON with the image, and which board it is for."""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from stator.plan.plan import Plan
+
+WORD = 4
+
+
+def padded(image: bytes) -> bytes:
+    """Whole words, as the bootloader programs them; erased flash reads as ones."""
+    return image + b"\xff" * (-len(image) % WORD)
+
+
+def write_px4(plan: Plan, image: bytes, file: Path, graph_hash: str) -> None:
+    """Without the time and place of the build, so that the same graph gives the same bytes."""
+    assert plan.board.upload is not None
+    assert plan.board.chip is not None
+    image = padded(image)
+    fields = {
+        "magic": "PX4FWv1",
+        "board_id": plan.board.upload.board_id,
+        "board_revision": 0,
+        "summary": plan.board.name,
+        "description": f"Stator, graph {plan.graph.name}",
+        "version": graph_hash[:12],
+        "git_identity": graph_hash,
+        "build_time": 0,
+        "image_size": len(image),
+        "image_maxsize": plan.board.chip.memory["flash"].bytes,
+        "image": base64.b64encode(zlib.compress(image, 9)).decode("ascii"),
+    }
+    file.write_text(json.dumps(fields, indent=4) + "\n", encoding="utf-8")

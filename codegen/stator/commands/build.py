@@ -1,0 +1,54 @@
+"""`./stator build`: the image of a graph, checked, and what each part takes."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from stator.arguments import path
+from stator.build.cmake import SLEEP
+from stator.build.image import build_image, image_files, sizes_of, total_of
+from stator.build.image_checks import sections_of
+from stator.diagnostics import shown_path
+from stator.pipeline import make_buildable_plan
+from stator.plan.text import show_notes, unbound_devices
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("graph", type=path, help="a graph file, such as graph/quad.yaml")
+    parser.add_argument("--board", help="another board than the graph's own")
+    parser.add_argument("--sleep", action="store_true", help="sleep when idle, instead of spinning")
+    parser.add_argument("--json", action="store_true", help="print what programs read")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    image = build_image(arguments.graph, arguments.board, SLEEP if arguments.sleep else {})
+    plan = make_buildable_plan(str(arguments.graph), arguments.board)
+    files = image_files(plan, image)
+    sizes = sizes_of(image)
+    total = total_of(image)
+    sections = sections_of(image)
+    if arguments.json:
+        facts: dict[str, object] = {key: str(file) for key, file in files.items()}
+        facts |= {"flash_bytes": total[0], "ram_bytes": total[1]}
+        facts["parts"] = {
+            name: dict(zip(("flash_bytes", "ram_bytes"), size, strict=True))
+            for name, size in sizes.items()
+        }
+        facts["sections"] = sections
+        facts["unbound_devices"] = unbound_devices(plan)
+        print(json.dumps(facts, indent=2))
+        return 0
+    width = max(map(len, sizes))
+    print(f"{'':{width}}  {'flash':>8}  {'ram':>8}")
+    for name, size in [*sizes.items(), ("image", total)]:
+        print(f"{name:{width}}  {size[0]:8,}  {size[1]:8,}")
+    for topic, operations in sections.items():
+        longest = ", ".join(f"{name} {count}" for name, count in operations.items())
+        print(f"masks its publishers' levels: {topic}, instructions: {longest}")
+    print("\n".join(f"{shown_path(file)}" for file in files.values()))
+    show_notes(plan)
+    return 0

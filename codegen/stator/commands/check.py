@@ -1,0 +1,66 @@
+"""`./stator check`: checks a graph, and says what it needs or what is wrong."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from stator.arguments import add_graph_arguments
+from stator.diagnostics import ANSWER_IS_NO, Failed, show_errors, shown_path
+from stator.pipeline import make_plan
+from stator.plan.text import show_notes
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_graph_arguments(parser)
+    parser.add_argument("--plan", action="store_true", help="show the whole plan")
+    parser.add_argument("--json", action="store_true", help="print what programs read")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    try:
+        plan = make_plan(arguments.graph, arguments.board)
+    except Failed as failed:
+        if arguments.json:
+            print(json.dumps({"errors": [error.as_json() for error in failed.errors]}, indent=2))
+        else:
+            show_errors(failed)
+        return ANSWER_IS_NO
+    if arguments.json:
+        from stator.plan.hash import graph_hash
+
+        print(
+            json.dumps(
+                {
+                    "errors": [],
+                    "graph": plan.graph.name,
+                    "board": plan.board.name,
+                    "nodes": len(plan.tasks),
+                    "topics": len(plan.topics),
+                    "hash": graph_hash(plan),
+                },
+                indent=2,
+            )
+        )
+        return 0
+    if arguments.plan:
+        from stator.plan.text import plan_text
+
+        print(plan_text(plan), end="")
+        return 0
+    levels = len({task.level for task in plan.tasks})
+    slot_bytes = sum(t.message.bytes * t.slots for t in plan.topics.values())
+    print(
+        f"{shown_path(plan.graph.file)}: good: {_count(len(plan.tasks), 'node')} on "
+        f"{_count(levels, 'level')}, {_count(len(plan.topics), 'topic')} in {slot_bytes} bytes of "
+        f"slots, board {plan.board.name}"
+    )
+    show_notes(plan)
+    return 0
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" + ("" if number == 1 else "s")

@@ -1,0 +1,95 @@
+"""`./stator emulate`: the firmware itself flies, in QEMU, in lockstep with the plant."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from stator.arguments import path
+from stator.build.cmake import SLEEP, build_plant
+from stator.build.image import build_image
+from stator.diagnostics import ANSWER_IS_NO, UserError
+from stator.emulator.qemu import find_emulator, fly
+from stator.flight.arguments import (
+    add_flight_arguments,
+    flight_options,
+    is_judged,
+    is_recorded,
+    is_windy,
+    rates_of,
+    recording_of,
+    speed_of,
+)
+from stator.flight.facts import default_log, facts_of, keep
+from stator.flight.progress import progress
+from stator.flight.report import report
+from stator.live.fault_record import in_words
+from stator.live.place import DEFAULT as LINK
+from stator.live.place import socket_place
+from stator.pipeline import make_plan
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_flight_arguments(parser, board="qemu_f405", what="a board that the emulator knows")
+    parser.add_argument(
+        "--sleep",
+        action="store_true",
+        help="sleep when idle, as on hardware; two flights may then differ (docs/emulation.md)",
+    )
+    parser.add_argument(
+        "--link",
+        nargs="?",
+        type=path,
+        const=LINK,
+        metavar="PATH",
+        help="offer the firmware's serial port as a socket, to ./stator top, listener and perf; "
+        "two flights may then differ",
+    )
+    parser.add_argument(
+        "--speed",
+        type=speed_of,
+        metavar="FACTOR",
+        help="at most so many times real time; 1 is real time (default: as fast as it goes)",
+    )
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """The answer is yes if the flight was successful; no, too, if it could not be judged."""
+    log = arguments.output or default_log(arguments.graph, arguments.seed, ".emulated")
+    truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
+    emulator = find_emulator()
+    variant = (SLEEP if arguments.sleep else {}) | recording_of(arguments)
+    image = build_image(arguments.graph, arguments.board, variant)
+    plant = build_plant()
+    link = None if arguments.link is None else socket_place(arguments.link)
+    options = ["--truth", str(truth.resolve()), *flight_options(arguments)]
+    if arguments.speed is not None:
+        options += ["--speed", f"{arguments.speed:.6f}"]
+    name = f"emulating {arguments.graph.stem}, seed {arguments.seed}"
+    with progress(name, truth, arguments.duration):
+        finished = fly(emulator, image, [str(plant), *options], log, link=link)
+        if finished.returncode != 0:
+            plan = make_plan(str(arguments.graph), arguments.board)
+            raise UserError(in_words(finished.stderr, plan, image).rstrip())
+        facts = facts_of(
+            finished,
+            log,
+            truth,
+            most_s=arguments.duration,
+            judges=is_judged(arguments),
+            is_recorded=is_recorded(arguments),
+            in_wind=is_windy(arguments),
+        )
+    facts |= rates_of(arguments)
+    facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
+    facts["emulator"] = emulator.version
+    facts["missed_samples"] = json.loads(finished.stdout)["missed_samples"]
+    keep(facts)
+    if arguments.json:
+        print(json.dumps(facts, indent=2))
+    else:
+        report(facts)
+    return 0 if facts["success"] else ANSWER_IS_NO

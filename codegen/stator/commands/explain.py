@@ -1,0 +1,200 @@
+"""Says why a node runs when and where it does, and what a topic takes."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+from stator.arguments import add_graph_arguments
+from stator.diagnostics import UserError, nearest, shown_path
+from stator.language.period import spelled_us
+from stator.language.shapes import quoted
+from stator.pipeline import make_plan
+from stator.plan.rates import Rates
+from stator.plan.text import triggers_text
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Iterable
+    from fractions import Fraction
+
+    from stator.graph.model import Node
+    from stator.plan.plan import Plan, Task
+    from stator.plan.topics import TopicPlan
+
+Row = tuple[str, str]  # what it is, and what there is to say of it
+
+COLUMNS = 100
+WAYS = {
+    "trigger": "each activation takes one, in order",
+    "thinned": "latest",
+    "queue": "all, in order",
+    "latest": "latest",
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_graph_arguments(parser)
+    parser.add_argument("node", help="a node or a topic of the graph")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    plan = make_plan(arguments.graph, arguments.board)
+    lines = explain(plan, arguments.node)
+    if lines is None:
+        known = [*plan.graph.nodes, *plan.topics]
+        raise UserError(
+            f"error: '{arguments.node}' is no node and no topic of {plan.graph.name}\n"
+            f"hint: {nearest(arguments.node, known)}"
+        )
+    print("\n".join(lines))
+    return 0
+
+
+def explain(plan: Plan, name: str) -> list[str] | None:
+    """Lines for a node or a topic; None if the graph has neither."""
+    if name in plan.graph.nodes:
+        task = plan.task(name)
+        rows = [*_runs(plan, task), *_ports(plan, task.node), *_params(task.node)]
+        return _text(f"{name}: {task.node.interface.doc}", rows)
+    if name in plan.topics:
+        topic = plan.topics[name]
+        return _text(f"{name}: {topic.message.doc}", _topic(plan, topic))
+    return None
+
+
+def _runs(plan: Plan, task: Task) -> list[Row]:
+    """When and where a node runs."""
+    node = task.node
+    rows = [
+        ("in", f"{shown_path(node.mark.file)}:{node.mark.line}"),
+        ("app" if node.device is None else "device", _what(plan, node)),
+        ("wakes on", triggers_text(node)),
+        ("at most every", _period(Rates(plan.graph).node(node.name))),
+        ("level", _level(plan, task)),
+    ]
+    if task.vector is not None and plan.board.chip is not None:
+        chip = plan.board.chip.name.split("/")[-1]
+        rows.append(("vector", f"{task.vector} of {chip}, {_vector_reason(plan, node)}"))
+    peers = [t.node.name for t in plan.tasks if t.level == task.level]
+    if len(peers) > 1:
+        rows.append(("order", f"in its level: {', '.join(peers)}"))
+    rows.append(("preempted by", _names(t for t in plan.tasks if t.level > task.level)))
+    rows.append(("preempts", _names(t for t in plan.tasks if t.level < task.level)))
+    owned = sum(_bytes(t) for t in plan.topics.values() if node.name in (t.owner, *t.publishers))
+    rows.append(("memory", f"{owned} bytes of slots; ./stator build shows code and state"))
+    return rows
+
+
+def _ports(plan: Plan, node: Node) -> list[Row]:
+    rows = []
+    for key, source in node.inputs.items():
+        topic = plan.topics[source.topic]
+        kind = WAYS[node.way_of(source)]
+        publishers = ", ".join(topic.publishers)
+        text = f"{topic.name} ({topic.message.name}) from {publishers}; {kind}"
+        if source.max_age_us:
+            text += f", absent when older than {spelled_us(source.max_age_us)}"
+        rows.append((f"reads {key}", text))
+    for key, output in node.outputs.items():
+        readers = ", ".join(name for name, _ in plan.topics[output.topic].readers) or "nobody"
+        rows.append((f"writes {key}", f"{output.topic}, read by {readers}"))
+    return rows
+
+
+def _params(node: Node) -> list[Row]:
+    rows = []
+    for key, param in node.interface.params.items():
+        value = node.params[key]
+        unit = "" if param.unit == "1" else f" {param.unit}"
+        shown = str(value).lower() if isinstance(value, bool) else f"{float(value):g}{unit}"
+        note = "" if value != param.default else " (default)"
+        rows.append((f"param {key}", f"{shown}{note}: {param.doc}"))
+    return rows
+
+
+def _level(plan: Plan, task: Task) -> str:
+    levels = sorted({t.level for t in plan.tasks}, reverse=True)
+    place = levels.index(task.level) + 1
+    reason = "from its deadline, as the graph gives no priorities" if plan.derived else "as given"
+    return f"{task.level}, number {place} in urgency of {len(levels)}; {reason}"
+
+
+def _topic(plan: Plan, topic: TopicPlan) -> list[Row]:
+    levels = {task.node.name: task.level for task in plan.tasks}
+
+    def with_level(name: str) -> str:
+        return f"{name} (level {levels[name]})"
+
+    log = "not logged"
+    if topic.log_us is not None:
+        log = f"every {spelled_us(topic.log_us)}" if topic.log_us else "every sample"
+    elif topic.owner and any(n.interface.reads_log for n in plan.graph.nodes.values()):
+        log = "as parameters" + (", with each change" if topic.publishers else "")
+    guard = "no critical section: one level publishes"
+    if topic.ceiling:
+        guard = (
+            f"loan and commit keep levels up to {topic.ceiling} out, as several levels publish; "
+            "./stator build shows for how many instructions"
+        )
+    publishers = ", ".join(map(with_level, topic.publishers))
+    return [
+        ("message", f"{topic.message.name}, {topic.message.bytes} bytes"),
+        ("from", publishers or "the start: parameters are fixed"),
+        ("read by", ", ".join(with_level(name) for name, _ in topic.readers) or "nobody"),
+        ("at most every", _period(topic.period_us)),
+        ("depth", str(topic.depth)),
+        ("slots", f"{topic.slots}, so {_bytes(topic)} bytes"),
+        ("publishing", guard),
+        ("log", log),
+    ]
+
+
+def _text(title: str, rows: list[Row]) -> list[str]:
+    """Long rows go on below, beside what they belong to."""
+    width = max(len(label) for label, _ in rows)
+    lines = textwrap.wrap(title, COLUMNS)
+    for label, text in rows:
+        lines += textwrap.wrap(
+            text,
+            COLUMNS,
+            initial_indent=f"  {label:<{width}}  ",
+            subsequent_indent=" " * (width + 4),
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+    return lines
+
+
+def _bytes(topic: TopicPlan) -> int:
+    return topic.slots * topic.message.bytes
+
+
+def _names(tasks: Iterable[Task]) -> str:
+    return ", ".join(task.node.name for task in tasks) or "nobody"
+
+
+def _period(period: Fraction | None) -> str:
+    if period is None:
+        return "not known"
+    return f"{float(period):g} us ({1e6 / float(period):g} Hz)"
+
+
+def _what(plan: Plan, node: Node) -> str:
+    if node.device is None:
+        return shown_path(node.interface.file.parent)
+    driver = plan.board.devices[node.device].driver
+    bound = "no driver yet" if driver == "none" else f"driver {driver}"
+    return f"{quoted(node.device)} of class {node.interface.name}; {bound} on {plan.board.name}"
+
+
+def _vector_reason(plan: Plan, node: Node) -> str:
+    from stator.plan.plan import vector_of
+
+    only = node.triggers[0]
+    if len(node.triggers) == 1 and only.kind == "irq" and node.device is not None:
+        for wire in plan.board.devices[node.device].lines[only.name]:
+            number = plan.board.chip.vectors.get(vector_of(wire)) if plan.board.chip else None
+            if number == plan.task(node.name).vector:
+                return f"that of its line {only.name} ({wire})"
+    return "a spare one, pended by software"

@@ -1,0 +1,164 @@
+"""`./stator flash`: builds the image of a graph and puts it onto a board."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import serial
+
+from stator.arguments import path
+from stator.build.image import build_image, image_files
+from stator.build.px4_bootloader import Bootloader
+from stator.build.px4_file import padded
+from stator.diagnostics import NOT_DONE, UserError, shown_path
+from stator.pipeline import make_buildable_plan
+from stator.plan.text import unbound_devices
+
+if TYPE_CHECKING:
+    from stator.plan.plan import Plan
+
+METHODS = {
+    "bootloader": "the board's own bootloader, over USB or a serial line",
+    "dfu": "the chip's ROM bootloader, with dfu-util",
+    "probe": "a debug probe, with pyOCD",
+}
+PORT = "/dev/serial/by-id/*PX4*"
+BAUD = 115200
+WAIT_S = 30.0
+ANSWER_S = 0.5
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("graph", type=path, help="a graph file, such as graph/quad.yaml")
+    parser.add_argument("--board", help="another board than the graph's own")
+    methods = "; ".join(f"{name}: {text}" for name, text in METHODS.items())
+    parser.add_argument("--method", choices=METHODS, default="bootloader", help=methods)
+    parser.add_argument("--port", help=f"serial port of the bootloader (default: {PORT})")
+    parser.add_argument("--dry-run", action="store_true", help="show each step and do none")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    plan = make_buildable_plan(str(arguments.graph), arguments.board)
+    if plan.board.upload is None or plan.board.chip is None:
+        raise UserError(
+            f"error: board '{plan.board.name}' is nothing to flash: its board.yaml has no `upload:`"
+            "\nhint: --board fmu_v2 is one that is"
+        )
+    image = build_image(arguments.graph, arguments.board)
+    file = image_files(plan, image)["bin"]
+    refusal = _refusal(plan)
+    if arguments.dry_run:
+        print("\n".join(_steps(plan, file, arguments)))
+        if refusal:
+            print(f"note: without --dry-run this is refused: {refusal}")
+        return 0
+    if refusal:
+        raise UserError(
+            f"error: not flashed: {refusal}\nhint: --dry-run shows what would be done; "
+            "./stator build makes the image all the same"
+        )
+    if arguments.method == "bootloader":
+        _upload(plan, padded(file.read_bytes()), arguments.port)
+        return 0
+    command = _command(plan, file, arguments.method)
+    if shutil.which(command[0]) is None:
+        raise UserError(f"error: {command[0]} is not installed\nhint: {INSTALL[command[0]]}")
+    print(shlex.join(command), flush=True)
+    return 0 if subprocess.run(command, check=False).returncode == 0 else NOT_DONE
+
+
+INSTALL = {
+    "dfu-util": "apt-get install dfu-util",
+    "pyocd": "pipx install pyocd, then pyocd pack install for the chip",
+}
+
+
+def _refusal(plan: Plan) -> str:
+    """Why this image must not get onto a vehicle; empty if it may."""
+    unbound = unbound_devices(plan)
+    if not unbound:
+        return ""
+    return f"no driver yet on {plan.board.name} for {', '.join(unbound)}"
+
+
+def _command(plan: Plan, file: Path, method: str) -> list[str]:
+    assert plan.board.upload is not None
+    assert plan.board.chip is not None
+    at = f"{plan.board.chip.memory['flash'].at:#010x}"
+    if method == "dfu":
+        start = f"{at}:leave"
+        return ["dfu-util", "--alt", "0", "--dfuse-address", start, "--download", str(file)]
+    target = plan.board.upload.pyocd_target or plan.board.chip.name.split("/")[1]
+    return ["pyocd", "flash", "--target", target, "--base-address", at, str(file)]
+
+
+def _steps(plan: Plan, file: Path, arguments: argparse.Namespace) -> list[str]:
+    assert plan.board.upload is not None
+    steps = [f"built     {shown_path(file)}, {file.stat().st_size:,} bytes, passed every check"]
+    if arguments.method != "bootloader":
+        return [*steps, f"run       {shlex.join(_command(plan, file, arguments.method))}"]
+    port = arguments.port or PORT
+    return [
+        *steps,
+        f"wait      up to {WAIT_S:.0f} s for a bootloader on {port} at {BAUD} baud",
+        f"identify  board id {plan.board.upload.board_id}, protocol, flash size",
+        "erase     the application; the bootloader stays",
+        f"program   {len(padded(file.read_bytes())):,} bytes",
+        "check     the CRC-32 of the whole flash",
+        "start     the image",
+    ]
+
+
+def _upload(plan: Plan, image: bytes, port: str | None) -> None:
+    assert plan.board.upload is not None
+    try:
+        with _find_bootloader(port) as found:
+            bootloader = Bootloader(found)
+            bootloader.identify(plan.board.upload.board_id, len(image))
+            print("erase     ...", flush=True)
+            bootloader.erase()
+            bootloader.program(image, lambda done: _show_progress(done, len(image)))
+            bootloader.verify(image)
+            bootloader.start()
+    except serial.SerialException as error:
+        raise UserError(
+            f"error: {error}\nhint: plug the board in anew and run the same command again"
+        ) from None
+    print(f"check     good: {len(image):,} bytes\nstart     {plan.graph.name} is running")
+
+
+def _show_progress(done: int, total: int) -> None:
+    end = "\n" if done == total else ""
+    if sys.stdout.isatty() or end:
+        print(f"\rprogram   {done:,} of {total:,} bytes", end=end, flush=True)
+
+
+def _find_bootloader(port: str | None) -> serial.Serial:
+    """An open port on which a bootloader answers."""
+    pattern = Path(port or PORT)
+    print(
+        f"wait      for a bootloader on {pattern}: plug the board in now, or press its button",
+        flush=True,
+    )
+    end = time.monotonic() + WAIT_S
+    while time.monotonic() < end:
+        for name in sorted(pattern.parent.glob(pattern.name)):
+            try:
+                found = serial.Serial(str(name), BAUD, timeout=ANSWER_S)
+            except serial.SerialException:
+                continue
+            if Bootloader(found).is_there():
+                return found
+            found.close()
+        time.sleep(0.1)
+    raise UserError(
+        f"error: no bootloader answered on {pattern} within {WAIT_S:.0f} s\n"
+        "hint: the bootloader listens for some seconds after power-on; --port names another port"
+    )

@@ -1,0 +1,32 @@
+"""`./stator gen`: writes the C++ of a graph."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from stator.arguments import add_graph_arguments, path
+from stator.emit.emit import write
+from stator.pipeline import make_files, make_replay_files
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_graph_arguments(parser)
+    parser.add_argument(
+        "-o", "--output", required=True, metavar="DIR", type=path, help="where to write"
+    )
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--record", action="store_true", help="with a recording of each flight")
+    what.add_argument("--replay", action="store_true", help="a program that replays recordings")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    if arguments.replay:
+        files = make_replay_files(arguments.graph, arguments.board)
+    else:
+        files = make_files(arguments.graph, arguments.board, record=arguments.record)
+    changed = write(files, arguments.output)
+    print(f"{arguments.output}: {len(files)} files, {changed} changed")
+    return 0

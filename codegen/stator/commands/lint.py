@@ -1,0 +1,32 @@
+"""`./stator lint`: formats and static checks, which the tests run one by one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from stator import HOME
+from stator.testing.lint import CHECKS, output
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--fix", action="store_true", help="repair what can be repaired, first")
+    parser.add_argument("--long", action="store_true", help="clang-tidy, too")
+
+
+def main(options: argparse.Namespace) -> int:
+    failed = False
+    for name, check in CHECKS.items():
+        if check.long and not options.long:
+            continue
+        if options.fix and check.fixer:
+            output(check.fixer(HOME), HOME)
+        problems = check.run(HOME)
+        failed |= bool(problems)
+        print(f"{name}: {'failed' if problems else 'ok'}", flush=True)
+        if problems:
+            print(problems)
+            print("hint: ./stator lint --fix" if check.fixer else "hint: to be repaired by hand")
+    return 1 if failed else 0

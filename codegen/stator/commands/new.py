@@ -1,0 +1,126 @@
+"""`./stator new`: writes the files of a new app or graph, to build and to change."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from stator import HOME
+from stator.arguments import path
+from stator.diagnostics import UserError, shown_path
+from stator.language.shapes import NAME_PATTERN
+from stator.names import is_reserved_type, reserved_reason, upper_camel
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+TEMPLATES = Path(__file__).parent / "new_templates"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    kinds = parser.add_subparsers(dest="kind", metavar="app|graph", required=True)
+    app = kinds.add_parser("app", help="a node: interface, code, and the message it publishes")
+    graph = kinds.add_parser("graph", help="a vehicle that differs from the quadrotor")
+    graph.add_argument("--app", help="an app made by `./stator new app`, as its first own node")
+    for kind in (app, graph):
+        kind.add_argument("name", help="in snake_case, such as tilt_watch")
+        kind.add_argument(
+            "--in",
+            dest="folder",
+            type=path,
+            default=Path(),
+            metavar="DIR",
+            help="where apps/ and graphs are (default: the current folder)",
+        )
+
+
+def main(arguments: argparse.Namespace) -> int:
+    name: str = arguments.name
+    _check_name(name, "an app" if arguments.kind == "app" else "")
+    if arguments.kind == "app":
+        files = _app(name, arguments.folder)
+        following = f"./stator new graph {name}_quad --app {name}"
+    else:
+        if arguments.app is not None:
+            _check_name(arguments.app, "an app")
+        files = _graph(name, arguments.folder, arguments.app)
+        following = f"./stator fly {shown_path(next(iter(files)))}"
+    _write(files)
+    print("\n".join(f"{shown_path(file)}: written" for file in files))
+    print(f"next: {following}")
+    return 0
+
+
+def _check_name(name: str, what: str) -> None:
+    """Raises `UserError` for a name that the compiler would refuse."""
+    if not re.fullmatch(NAME_PATTERN, name):
+        raise UserError(
+            f"error: '{name}' is no name\nhint: lower-case letters, digits, _, such as tilt_watch"
+        )
+    reason = reserved_reason(name, what)
+    if reason or (what and is_reserved_type(upper_camel(name))):
+        raise UserError(
+            f"error: '{name}' cannot be the name: {reason or 'the runtime has taken it'}"
+            "\nhint: choose another one, such as tilt_watch"
+        )
+
+
+def _app(name: str, folder: Path) -> dict[Path, str]:
+    fields = {"name": name, "class": upper_camel(name), "message": f"{upper_camel(name)}Report"}
+    messages = folder / ("graph/messages" if folder.resolve() == HOME else "messages")
+    app = folder / "apps" / name
+    existing = HOME / "apps" / name
+    if existing.is_dir() and app.resolve() != existing:
+        raise UserError(
+            f"error: Stator has an app '{name}', which this one would replace in graphs beside it\n"
+            f"hint: choose another name; to change that one, copy {shown_path(existing)} into apps"
+        )
+    return {
+        messages / f"{fields['message']}.yaml": _render("message.yaml.j2", fields),
+        app / f"{name}.yaml": _render("app.yaml.j2", fields),
+        app / f"{name}.hpp": _render("app.hpp.j2", fields),
+        app / f"{name}.cpp": _render("app.cpp.j2", fields),
+    }
+
+
+def _graph(name: str, folder: Path, app: str | None) -> dict[Path, str]:
+    if app is not None and not (folder / "apps" / app / f"{app}.yaml").is_file():
+        raise UserError(
+            f"error: there is no app '{app}' in {shown_path(folder / 'apps')}\n"
+            f"hint: ./stator new app {app}"
+        )
+    graphs = folder / "graph" if folder.resolve() == HOME else folder
+    return {graphs / f"{name}.yaml": _render("graph.yaml.j2", {"name": name, "app": app})}
+
+
+def _render(template: str, fields: Mapping[str, str | None]) -> str:
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+    return environment.get_template(template).render(fields)
+
+
+def _write(files: Mapping[Path, str]) -> None:
+    """All or nothing. Raises `UserError` rather than to replace a file."""
+    for file in files:
+        if file.exists():
+            raise UserError(
+                f"error: {shown_path(file)} is there already\n"
+                "hint: choose another name, or remove it; nothing was written"
+            )
+    try:
+        for file, text in files.items():
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        for written in files:
+            written.unlink(missing_ok=True)
+        raise UserError(f"error: cannot write '{shown_path(file)}': {error.strerror}") from None

@@ -1,0 +1,31 @@
+"""`./stator plot`: one picture of a flight."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from stator.arguments import path
+from stator.diagnostics import shown_path
+from stator.flight.plot import FORMATS, draw
+
+if TYPE_CHECKING:
+    import argparse
+    from pathlib import Path
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("log", type=path, help="a ULog file, such as build/flights/quad-seed1.ulg")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=path,
+        metavar="FILE",
+        help=f"{', '.join(FORMATS)} (default: beside the log, .png)",
+    )
+
+
+def main(arguments: argparse.Namespace) -> int:
+    output: Path = arguments.output or arguments.log.with_suffix(".png")
+    draw(arguments.log, output)
+    print(f"{shown_path(output)}: drawn")
+    return 0

@@ -1,0 +1,226 @@
+"""`./stator replay`: runs a recorded flight again, and compares every sample."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stator import HOME
+from stator.arguments import path
+from stator.build.cmake import build_replay
+from stator.diagnostics import ANSWER_IS_NO, Failed, UserError, shown_path
+from stator.emit.recording import definitions
+from stator.flight.progress import progress
+from stator.flight.recording import Recording, fields_of, logged_sample, read_recording
+from stator.pipeline import make_plan
+from stator.plan.hash import graph_hash
+
+if TYPE_CHECKING:
+    from stator.plan.plan import Plan
+
+Facts = dict[str, Any]
+
+# Streams of the levels end within a few periods of the logger: the log's end cuts them.
+MOST_CUT_US = 500_000
+
+
+@dataclass(frozen=True)
+class Subject:
+    """The graph that replays, and what has changed since the recording."""
+
+    plan: Plan
+    same_hash: bool
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("log", type=path, help="a flight log with a recording")
+    parser.add_argument(
+        "--graph", type=path, help="the graph file, if it is not where the log says"
+    )
+    parser.add_argument("--json", action="store_true", help="print what programs read")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """The answer is yes if all could be replayed, and every sample is equal."""
+    recording = read_recording(arguments.log)
+    subject = find_graph(recording, arguments.graph)
+    program = build_replay(subject.plan)
+    with progress(f"replaying {arguments.log.name} ..."):
+        command = [program, arguments.log, str(recording.good_bytes)]
+        finished = subprocess.run(command, check=False, capture_output=True, text=True)
+    if finished.returncode != 0:
+        raise UserError(finished.stderr.rstrip() or "error: the replay died")
+    facts = facts_of(recording, subject, json.loads(finished.stdout))
+    if arguments.json:
+        print(json.dumps(facts, indent=2))
+    else:
+        report(facts)
+    return 0 if facts["equal"] else ANSWER_IS_NO
+
+
+# --- the graph ---
+
+
+def find_graph(recording: Recording, file: Path | None) -> Subject:
+    name, board, shown = recording.graph()
+    if file is None:
+        places = [HOME / shown, Path(shown), recording.log.parent / Path(shown).name]
+        file = next((place for place in places if place.is_file()), None)
+    if file is None:
+        raise UserError(
+            f"error: the graph of this recording, '{shown}', is not here\nhint: add --graph FILE"
+        )
+    plan = make_plan(str(file), None)
+    same_hash = graph_hash(plan) == recording.hash
+    if not same_hash and board != plan.board.name:
+        # On its board it may have been planned anew.
+        with contextlib.suppress(Failed):
+            planned = make_plan(str(file), board)
+            if graph_hash(planned) == recording.hash:
+                plan, same_hash = planned, True
+    if not same_hash:
+        _refuse_misfits(recording, plan, name)
+    return Subject(plan, same_hash)
+
+
+def _refuse_misfits(recording: Recording, plan: Plan, name: str) -> None:
+    """Another graph can replay a recording if it has the same nodes with the same wiring."""
+    now = _lines(definitions(plan, ""))
+    misfits = [
+        what
+        for what, line in _lines(recording.lines).items()
+        if what[0] in ("topic", "app", "parameters") and now.get(what) != line
+    ]
+    if misfits:
+        shown = ", ".join(f"{kind} {what}" for kind, what in misfits[:5])
+        more = f" and {len(misfits) - 5} more" if len(misfits) > 5 else ""
+        raise UserError(
+            f"error: this recording of graph '{name}' does not fit {shown_path(plan.graph.file)}: "
+            f"missing there, or with other fields or wiring: {shown}{more}\n"
+            f"hint: its hash is {recording.hash[:12]}, the graph's {graph_hash(plan)[:12]}; "
+            "replay with the graph that flew: --graph FILE"
+        )
+
+
+def _lines(lines: list[str]) -> dict[tuple[str, str], str]:
+    """(kind, name) -> what must be equal; not the level, as any order of levels will do."""
+    found = {}
+    for line in lines:
+        words = line.split(" ")
+        if words[0] == "topic":
+            found[("topic", words[1])] = line
+        elif words[0] == "task":
+            found[(words[3], words[1])] = " ".join(words[4:])
+    return found
+
+
+# --- facts ---
+
+
+def facts_of(recording: Recording, subject: Subject, run: Facts) -> Facts:
+    _, board, _ = recording.graph()
+    topics = {name: row["different"] == 0 for name, row in run["topics"].items()}
+    ends = []
+    if recording.problem:
+        ends.append(f"the log cannot be trusted further: {recording.problem}")
+    for level, lost in sorted(recording.gaps.items()):
+        ends.append(f"a gap: level {level} lost {lost:,} activations, as its stream was full")
+    if not ends and run["recorded_until_us"] - run["until_us"] > MOST_CUT_US:
+        ends.append(
+            f"something that a node read after {run['until_us'] * 1e-6:.3f} s is not recorded"
+        )
+    same = all(topics.values())
+    return {
+        "equal": same and not ends and bool(topics),
+        "reason": "; ".join(ends) or ("every sample is equal" if same else "samples differ"),
+        "topics": topics,
+        "first_difference": _difference(recording, run["first"]) if "first" in run else None,
+        "activations": run["activations"],
+        "samples": sum(row["compared"] for row in run["topics"].values()),
+        "different_samples": sum(row["different"] for row in run["topics"].values()),
+        "replayed_until_s": run["until_us"] * 1e-6,
+        "recorded_until_s": run["recorded_until_us"] * 1e-6,
+        "ends_early": bool(ends),
+        "graph": subject.plan.graph.name,
+        "board": board,
+        "graph_hash": recording.hash,
+        "same_hash": subject.same_hash,
+        "log": str(recording.log.resolve()),
+    }
+
+
+def _difference(recording: Recording, first: Facts) -> Facts:
+    layout = recording.layouts()[first["topic"]]
+    recorded = bytes.fromhex(first["recorded"])
+    replayed = bytes.fromhex(first["replayed"])
+    if not recorded and first["kind"] != "extra":
+        recorded = logged_sample(recording, first["topic"], first["recorded_crc"]) or b""
+    values = [fields_of(layout, sample) if sample else {} for sample in (recorded, replayed)]
+    both = values[0].keys() & values[1].keys()
+    different = (n for n in values[0] if n in both and _differ(values[0][n], values[1][n]))
+    field = next(different, None)
+    return {
+        "kind": first["kind"],
+        "topic": first["topic"],
+        "sequence_number": first["number"],
+        "time_s": first["now_us"] * 1e-6,
+        "field": field,
+        "recorded": values[0].get(field) if field else None,
+        "replayed": values[1].get(field) if field else None,
+        "recorded_crc32": None if first["kind"] == "extra" else f"{first['recorded_crc']:08x}",
+        "replayed_crc32": None if first["kind"] == "missing" else f"{first['crc']:08x}",
+    }
+
+
+def _differ(a: float, b: float) -> bool:
+    return a != b and not (a != a and b != b)  # not a number is written in one way only
+
+
+# --- for people ---
+
+
+def report(facts: Facts) -> None:
+    from rich.console import Console
+
+    console = Console(highlight=False, soft_wrap=True, markup=False)
+    console.print(f"{facts['graph']} of {facts['board']}, replayed: ", end="")
+    differs = facts["first_difference"] is not None or not facts["topics"]
+    style = "bold green" if facts["equal"] else "bold red"
+    verdict = "NOT EQUAL" if differs else "equal" if facts["equal"] else "EQUAL BUT NOT WHOLE"
+    console.print(verdict, style=style)
+    for label, text in _rows(facts):
+        console.print(f"  {label:<10}{text}")
+
+
+def _rows(facts: Facts) -> list[tuple[str, str]]:
+    until = f"up to {facts['replayed_until_s']:.3f} s"
+    counts = f"{facts['activations']:,} activations, {facts['samples']:,} samples of "
+    rows = [("run", f"{counts}{len(facts['topics'])} topics, {until}")]
+    if not facts["same_hash"]:
+        rows.append(("graph", "it has changed since: its hash is another one; it still fits"))
+    if facts["ends_early"]:
+        rows += [("ends", reason) for reason in str(facts["reason"]).split("; ")]
+    if facts["first_difference"] is not None:
+        rows += _difference_rows(facts["first_difference"])
+        unequal = [name for name, equal in facts["topics"].items() if not equal]
+        count = f"{facts['different_samples']:,} samples"
+        rows.append(("different", f"{count}, of {', '.join(unequal)}"))
+    return rows
+
+
+def _difference_rows(first: Facts) -> list[tuple[str, str]]:
+    where = f"{first['topic']}, sample {first['sequence_number']:,}, at {first['time_s']:.6f} s"
+    if first["kind"] != "value":
+        what = {"missing": "recorded, not published now", "extra": "published now, not recorded"}
+        return [("first", f"{where}: {what[first['kind']]}")]
+    if first["field"] is not None:
+        text = f"{first['field']} was {first['recorded']!r}, is now {first['replayed']!r}"
+    else:
+        crcs = f"was {first['recorded_crc32']}, is now {first['replayed_crc32']}"
+        text = f"the CRC-32 {crcs} (the log does not have this sample)"
+    return [("first", where), ("", text)]

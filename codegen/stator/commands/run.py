@@ -1,0 +1,300 @@
+"""`./stator run`: builds a graph for threads, runs it in real time, and reports."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stator.arguments import path
+from stator.build.cmake import build
+from stator.diagnostics import ANSWER_IS_NO, NOT_DONE, UserError, shown_path
+from stator.flight.arguments import (
+    add_flight_arguments,
+    flight_options,
+    is_judged,
+    is_recorded,
+    is_windy,
+    rates_of,
+    recording_of,
+)
+from stator.flight.facts import default_log, facts_of
+from stator.flight.nonvolatile import nonvolatile_of, nonvolatile_rows, told_of
+from stator.flight.progress import progress
+from stator.flight.report import flight_rows, log_rows, show
+from stator.flight.restarts import RESTART, SIGNALLED, run_lives
+from stator.live.place import DEFAULT as LINK
+from stator.live.place import free_place, socket_place
+from stator.pipeline import make_plan
+
+if TYPE_CHECKING:
+    import subprocess
+    from collections.abc import Iterator
+
+LEAST_SPEED = 0.001
+MOST_CPUS = 64
+OWN_FACTS = (
+    "missed_samples",
+    "missed_releases",
+    "real_time",
+    "not_allowed",
+    "levels",
+    "nonvolatile",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_flight_arguments(parser, board="linux", what="a board of threads")
+    _add_device_arguments(parser)
+    machine = parser.add_argument_group("this machine")
+    machine.add_argument(
+        "--speed",
+        type=slow_speed_of,
+        default=1.0,
+        metavar="FACTOR",
+        help="how fast the graph's clock runs, at most 1: under a debugger, valgrind or a "
+        "sanitizer, or on a machine that is too slow (default: 1, real time)",
+    )
+    machine.add_argument(
+        "--cpus",
+        type=cpus_of,
+        metavar="LIST",
+        help="the processors that the graph may use, such as 1 or 0,2-3 (default: all)",
+    )
+    machine.add_argument(
+        "--link",
+        type=path,
+        metavar="PATH",
+        help="where ./stator top, listener and perf find this run (default: build/link, or "
+        "build/link2 and so on if another one has it)",
+    )
+
+
+def _add_device_arguments(parser: argparse.ArgumentParser) -> None:
+    devices = parser.add_argument_group("devices")
+    devices.add_argument(
+        "--can", metavar="INTERFACE", help="the CAN interface behind the device can1, such as can0"
+    )
+    parts = devices.add_mutually_exclusive_group()
+    parts.add_argument(
+        "--no-can-parts",
+        action="store_true",
+        help="the motor controllers and the receiver on the CAN bus are real: simulate none",
+    )
+    parts.add_argument(
+        "--can-parts",
+        metavar="INTERFACE",
+        help="simulate them on another interface than the vehicle's: a program of yours, or a "
+        "bridge, stands between the two",
+    )
+    devices.add_argument(
+        "--nonvolatile",
+        type=path,
+        metavar="FILE",
+        help="where records are kept that outlive the run, such as the ids of parts on a CAN bus "
+        "(default: beside the log, with the end .records); without the file, it begins with none",
+    )
+
+
+def slow_speed_of(text: str) -> float:
+    with contextlib.suppress(ValueError):
+        if LEAST_SPEED <= float(text) <= 1.0:
+            return float(text)
+    raise argparse.ArgumentTypeError(
+        f"'{text}' is no factor from {LEAST_SPEED} to 1: threads run in real time or slower; "
+        "./stator fly simulates as fast as the machine can"
+    )
+
+
+def cpus_of(text: str) -> int:
+    """A list of processors as the system's tools write it, as a mask."""
+    mask = 0
+    for part in text.split(","):
+        first, dash, last = part.partition("-")
+        ends = [first, last if dash else first]
+        if not all(end.isascii() and end.isdigit() and int(end) < MOST_CPUS for end in ends):
+            raise argparse.ArgumentTypeError(
+                f"'{text}' is no list of processors from 0 to {MOST_CPUS - 1}, such as 0,2-3"
+            )
+        mask |= sum(1 << cpu for cpu in range(int(ends[0]), int(ends[1]) + 1))
+    if mask == 0:
+        raise argparse.ArgumentTypeError(f"'{text}' names no processor")
+    return mask
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """The answer is yes if it ran to its end, and a vehicle flew within all limits; no, too, if it
+    could not be judged. 128 and more: a signal ended it."""
+    log = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
+    truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
+    program = build(arguments.graph, arguments.board, recording_of(arguments), executor="pthread")
+    flies = _flies(arguments)
+    memory = nonvolatile_of(arguments, log)
+    name = f"running {arguments.graph.stem} for {arguments.duration:g} s at most; Ctrl-C ends it"
+    with _link_of(arguments) as link:
+
+        def command_of(duration_s: float) -> list[str]:
+            life = argparse.Namespace(**(vars(arguments) | {"duration": duration_s}))
+            return _command(program, log, truth, memory, link, life)
+
+        with progress(name, truth, arguments.duration):
+            finished, earlier = run_lives(command_of, log, arguments.duration)
+    if finished.returncode == NOT_DONE:
+        raise UserError(finished.stderr.rstrip())
+    facts = _facts(
+        finished,
+        log,
+        truth,
+        most_s=arguments.duration,
+        flies=flies,
+        is_recorded=is_recorded(arguments),
+        in_wind=is_windy(arguments),
+    )
+    facts["logs_before_restart"] = [str(path.resolve()) for path in earlier]
+    facts["nonvolatile"] = told_of(memory, facts.get("nonvolatile"))
+    facts |= rates_of(arguments)
+    facts["link"] = None if link is None else str(link)
+    facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
+    facts["speed"] = arguments.speed
+    _report(facts, earlier, as_json=arguments.json)
+    if finished.returncode > SIGNALLED:
+        return finished.returncode
+    return 0 if facts["success"] else ANSWER_IS_NO
+
+
+@contextlib.contextmanager
+def _link_of(arguments: argparse.Namespace) -> Iterator[Path | None]:
+    if arguments.link is not None:
+        yield socket_place(arguments.link)
+        return
+    with free_place() as link:
+        if not arguments.json:
+            _tell_link(link)
+        yield link
+
+
+def _tell_link(link: Path | None) -> None:
+    """If ./stator top does not find this run by itself."""
+    if link is None:
+        print("note: ./stator top finds no run here; --link /tmp/link gives one", file=sys.stderr)
+    elif link != LINK:
+        print(
+            f"note: another run has {shown_path(LINK)}; look at this one with "
+            f"--link {shown_path(link)}",
+            file=sys.stderr,
+        )
+
+
+def _flies(arguments: argparse.Namespace) -> bool:
+    """Whether there is a flight to judge. Raises `UserError` if graph and bus do not fit."""
+    tasks = make_plan(str(arguments.graph), arguments.board).tasks
+    has_can = any(task.node.device == "can1" for task in tasks)
+    if has_can and arguments.can is None:
+        raise UserError(
+            f"error: {arguments.graph.stem} has a CAN bus, and no interface is given for it\n"
+            "hint: add --can vcan0; ip link add vcan0 type vcan && ip link set vcan0 up makes one"
+        )
+    if arguments.can is not None and not has_can:
+        raise UserError(f"error: {arguments.graph.stem} has no device can1\nhint: leave out --can")
+    if arguments.can_parts is not None and arguments.can is None:
+        raise UserError("error: --can-parts without a bus of the vehicle\nhint: add --can vcan0")
+    has_motors = any(task.node.device == "motors" for task in tasks)
+    return is_judged(arguments) and (has_motors or not arguments.no_can_parts)
+
+
+def _command(
+    program: Path,
+    log: Path,
+    truth: Path,
+    memory: Path | None,
+    link: Path | None,
+    arguments: argparse.Namespace,
+) -> list[str]:
+    command = [str(program), "--log", str(log), "--truth", str(truth)]
+    command += [] if link is None else ["--link", str(link)]
+    command += [*flight_options(arguments), "--speed", f"{arguments.speed:.6f}"]
+    if arguments.can is not None:
+        command += ["--can", arguments.can]
+        if not arguments.no_can_parts:
+            command += ["--can-parts", arguments.can_parts or arguments.can]
+    if memory is not None:
+        command += ["--nonvolatile", str(memory)]
+    if arguments.cpus is not None:
+        command += ["--cpus", f"{arguments.cpus:x}"]
+    return command
+
+
+def _facts(
+    finished: subprocess.CompletedProcess[str],
+    log: Path,
+    truth: Path,
+    *,
+    most_s: float,
+    flies: bool,
+    is_recorded: bool,
+    in_wind: bool,
+) -> dict[str, Any]:
+    facts: dict[str, Any] = facts_of(
+        finished,
+        log,
+        truth,
+        most_s=most_s,
+        judges=flies,
+        is_recorded=is_recorded,
+        in_wind=in_wind,
+    )
+    if finished.returncode < 0:
+        return facts
+    run = json.loads(finished.stdout)
+    facts |= {key: run[key] for key in OWN_FACTS}
+    if finished.returncode > SIGNALLED:
+        name = signal.Signals(finished.returncode - SIGNALLED).name
+        facts |= {"success": False, "reason": f"{name} after {run['wall_s']:.1f} s"}
+    elif finished.returncode not in (0, RESTART):
+        facts |= {"success": False, "reason": finished.stderr.strip()}
+    return facts
+
+
+# --- for people ---
+
+
+def _report(facts: dict[str, Any], earlier: list[Path], *, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(facts, indent=2))
+        return
+    rows = [*flight_rows(facts), *_run_rows(facts), *nonvolatile_rows(facts)]
+    show(facts, [*rows, *_restart_rows(earlier), *log_rows(facts)])
+
+
+def _restart_rows(earlier: list[Path]) -> list[tuple[str, str]]:
+    text = "as somebody who may asked for it; the log until then is"
+    return [("restarted", f"{text} {shown_path(log)}") for log in earlier]
+
+
+def _run_rows(facts: dict[str, Any]) -> list[tuple[str, str]]:
+    if "levels" not in facts:
+        return []
+    missed = f"{facts['missed_samples']} of devices, {facts['missed_releases']} releases"
+    load = sum(level["load"] for level in facts["levels"])
+    worst = max(facts["levels"], key=lambda level: level["worst_release_us"])
+    pace = "in real time" if facts["speed"] == 1.0 else f"at {facts['speed']:g} of real time"
+    rows = [
+        ("run", f"{facts['duration_s']:.1f} s {pace}; {facts['activations']:,} activations"),
+        ("lost", f"{facts['lost_samples']} samples; missed as the machine was busy: {missed}"),
+        ("load", f"{100 * load:.1f} % of one processor, {len(facts['levels'])} levels"),
+    ]
+    if worst["worst_release_us"] > 0:
+        late = f"by {worst['worst_release_us']:.0f} us, on level {worst['level']}"
+        rows.append(("release", f"the latest was late {late}"))
+    rows += [
+        (
+            "note",
+            f"{row['what']}: not allowed ({row['why']}): {row['cost']}; remedy: {row['remedy']}",
+        )
+        for row in facts["not_allowed"]
+    ]
+    return rows

@@ -1,0 +1,33 @@
+"""`./stator test`: builds, runs the C++ and the Python tests, and counts both in one line."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from stator.testing.junit import Outcome
+from stator.testing.run import closing_lines, run_all
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--long", action="store_true", help="run the long ones, too")
+    parser.add_argument(
+        "names",
+        nargs="*",
+        metavar="NAME",
+        help="a file or folder of tests, or a part of a test's name (as for ctest -R, pytest -k)",
+    )
+
+
+def main(options: argparse.Namespace) -> int:
+    cases = run_all(options.names, options.long)
+    if not any(case.outcome is not Outcome.SKIPPED for case in cases):
+        matches = f": none matches {' '.join(options.names)}" if options.names else ""
+        longer = "" if options.long else "; --long looks among the long ones, too"
+        print(f"no test ran{matches}{longer}")
+    print("\n".join(["", *closing_lines(cases)]), flush=True)
+    failed = any(case.outcome is Outcome.FAILED for case in cases)
+    passed = any(case.outcome is Outcome.PASSED for case in cases)
+    return 1 if failed or not passed else 0

@@ -1,0 +1,233 @@
+"""Writes the C++ of a plan: one small file for each emitted thing, rewritten only if changed.
+
+Same input, same bytes. The head of a file says from which file and line it comes; the body does
+not, so that an inserted comment changes heads only.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import jinja2
+
+from stator import HOME
+from stator.diagnostics import Mark, UserError
+from stator.emit import cortex_m, pthread, recording, rows
+from stator.emit import parameters as params
+from stator.emit import tasks as emit_tasks
+from stator.names import snake
+from stator.plan.hash import graph_hash
+from stator.plan.text import plan_text
+
+if TYPE_CHECKING:
+    from stator.plan.plan import Plan
+
+MANIFEST = "generated_files.txt"
+EXECUTORS = ("cortex_m", "pthread", "virtual")
+
+
+def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
+    """Every generated file: its path below the output folder, and its text. `record`: the flight is
+    recorded for replay."""
+    files = _parts(plan)
+    record = record and recording.is_recordable(plan)
+    graph = _start(plan.graph.file)
+    tasks = [emit_tasks.task(plan, task) for task in plan.tasks]
+    parameters = params.start_values(plan)
+    recorded = recording.task_rows(plan) if record else {}
+    for row in (*tasks, *parameters):
+        row["recorded"] = recorded.get(row["name"] if "name" in row else row["topic"])
+    topics = [rows.topic(plan, topic) for topic in plan.topics.values()]
+    files["topics.hpp"] = _render("topics.hpp.j2", graph, topics=topics)
+    files["topics.cpp"] = _render("topics.cpp.j2", graph, topics=topics)
+    files["tasks.hpp"] = _render("tasks.hpp.j2", graph, tasks=tasks)
+    for task in tasks:
+        files[f"tasks/{task['name']}.cpp"] = _render("task.cpp.j2", task["mark"], task=task)
+    files["parameters.cpp"] = _render("parameters.cpp.j2", graph, nodes=parameters)
+    table = params.table(plan)
+    if table is not None:
+        files["parameter_table.cpp"] = _render("parameter_table.cpp.j2", graph, table=table)
+    if plan.graph.modes is not None:
+        files["modes.cpp"] = _render(
+            "modes.cpp.j2", graph, modes=rows.modes(plan) | {"recorded": record}
+        )
+    log = rows.log(plan)
+    if log is not None:
+        files["log_table.cpp"] = _render(
+            "log_table.cpp.j2",
+            graph,
+            log=log,
+            params=table,
+            graph=plan.graph.name,
+            hash=graph_hash(plan),
+            recording=record,
+        )
+    if record:
+        row = recording.recording_row(plan, _shown(plan.graph.file))
+        files["recording.hpp"] = _render("recording.hpp.j2", graph, recording=row)
+        files["recording.cpp"] = _render("recording.cpp.j2", graph, recording=row)
+    if plan.board.executor == "cortex_m":
+        files |= _cortex_m(plan, tasks)
+    elif plan.board.executor == "pthread":
+        files |= _pthread(plan, tasks, topics)
+    elif plan.board.executor in EXECUTORS:
+        files["executor.cpp"] = _render(
+            f"executor_{plan.board.executor}.cpp.j2", graph, tasks=tasks, program=rows.program(plan)
+        )
+    files["plan.txt"] = plan_text(plan)
+    files["graph.cmake"] = _render("graph.cmake.j2", graph, **rows.build(plan, files))
+    return files
+
+
+def emit_replay(plan: Plan) -> dict[str, str]:
+    """The files of the program that replays recordings of this graph, on any machine."""
+    files = _parts(plan)
+    graph = _start(plan.graph.file)
+    recorded = recording.task_rows(plan)
+    tasks = [emit_tasks.task(plan, task) for task in plan.tasks]
+    tasks = [t | {"recorded": recorded[t["name"]]} for t in tasks if t["is_replayed"]]
+    topics = [
+        {"name": topic.name, "floats": rows.log_floats(topic.message)}
+        for topic in plan.topics.values()
+    ]
+    parameters = params.start_values(plan)
+    table = params.table(plan)
+    if table is not None:
+        table = table | {"topics": []}  # those of a recording are bytes
+        files["parameter_table.cpp"] = _render("parameter_table.cpp.j2", graph, table=table)
+    files["replay_tasks.hpp"] = _render("replay_tasks.hpp.j2", graph, tasks=tasks)
+    for task in tasks:
+        files[f"tasks/{task['name']}.cpp"] = _render("replay_task.cpp.j2", task["mark"], task=task)
+    files["replay.cpp"] = _render(
+        "replay.cpp.j2", graph, tasks=tasks, topics=topics, parameters=parameters
+    )
+    files["graph.cmake"] = _render("graph.cmake.j2", graph, **rows.replay_build(plan, files))
+    return files
+
+
+def _parts(plan: Plan) -> dict[str, str]:
+    """What nodes see: messages and ports."""
+    files: dict[str, str] = {}
+    for message in rows.messages(plan):
+        files[f"messages/{message.header}.hpp"] = _render(
+            "message.hpp.j2",
+            message.mark,
+            message=message,
+            fields=rows.fields(message, rows.defaults(plan, message)),
+        )
+    for interface in rows.interfaces(plan):
+        files[f"{interface.name}_ports.hpp"] = _render(
+            "ports.hpp.j2", _start(interface.file), interface=interface, ports=rows.ports(interface)
+        )
+        if interface.failsafe is not None:
+            files["failsafe_table.hpp"] = _render(
+                "failsafe_table.hpp.j2",
+                _start(interface.failsafe.file),
+                **rows.failsafe(interface.failsafe),
+            )
+    return files
+
+
+def _cortex_m(plan: Plan, tasks: list[rows.Row]) -> dict[str, str]:
+    """What bare metal needs besides: the vector table, lines as bits, the linker script."""
+    graph, board = _start(plan.graph.file), _start(plan.board.file)
+    program = cortex_m.program(plan)
+    return {
+        "executor.cpp": _render("executor_cortex_m.cpp.j2", graph, tasks=tasks, program=program),
+        "lines.hpp": _render("lines.hpp.j2", board, lines=cortex_m.lines(plan)),
+        "image.ld": _render("image.ld.j2", board, **cortex_m.image(plan)),
+    }
+
+
+def _pthread(plan: Plan, tasks: list[rows.Row], topics: list[rows.Row]) -> dict[str, str]:
+    """Threads share topics in another way, with other slots."""
+    graph = _start(plan.graph.file)
+    program = pthread.program(plan)
+    for row in topics:
+        topic = plan.topics[row["name"]]
+        row |= {"depth": pthread.depth(plan, topic), "slots": pthread.slots(plan, topic)}
+    return {
+        "topics.hpp": _render("topics_pthread.hpp.j2", graph, topics=topics),
+        "topics.cpp": _render("topics_pthread.cpp.j2", graph, topics=topics),
+        "executor.cpp": _render("executor_pthread.cpp.j2", graph, tasks=tasks, program=program),
+    }
+
+
+def write(files: dict[str, str], folder: Path) -> int:
+    """Writes what differs, removes what an earlier run wrote and this one did not. Returns how many
+    files changed. Raises `UserError` where it cannot write, or would overwrite what is not its own.
+    """
+    try:
+        return _write(files, folder)
+    except OSError as error:
+        raise UserError(
+            f"error: cannot write '{error.filename or folder}': {error.strerror}\n"
+            "hint: name a folder that is new, empty, or an earlier output"
+        ) from error
+
+
+def _write(files: dict[str, str], folder: Path) -> int:
+    manifest = folder / MANIFEST
+    if not manifest.is_file() and folder.is_dir() and any(folder.iterdir()):
+        raise UserError(
+            f"error: '{folder}' has files that are not an earlier output\n"
+            "hint: name a folder that is new or empty"
+        )
+    old = manifest.read_bytes().decode(errors="replace").split("\n") if manifest.is_file() else []
+    # What a run leaves that could not write all is an earlier output, too.
+    _write_if_changed(manifest, "\n".join(dict.fromkeys([*files, *filter(None, old)])) + "\n")
+    changed = 0
+    for name in old:
+        stale = folder / name
+        is_inside = not Path(name).is_absolute() and ".." not in Path(name).parts
+        if name and name not in files and is_inside and stale.is_file():
+            stale.unlink()
+            changed += 1
+    for name, text in files.items():
+        changed += _write_if_changed(folder / name, text)
+    _write_if_changed(manifest, "\n".join(files) + "\n")
+    return changed
+
+
+def _write_if_changed(path: Path, text: str) -> bool:
+    if path.is_file() and path.read_bytes() == text.encode():
+        return False
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(text.encode())
+    return True
+
+
+def _start(file: Path) -> Mark:
+    return Mark(file, 1, 1)
+
+
+def _shown(file: Path) -> str:
+    """A path that is the same on every machine."""
+    return str(file.relative_to(HOME)) if file.is_relative_to(HOME) else file.name
+
+
+def _render(template: str, origin: Mark, **values: Any) -> str:
+    text = f"Generated by stator from {_shown(origin.file)}:{origin.line}. Do not edit."
+    kind = template.split(".")[-2]
+    head = {"cmake": f"# {text}\n", "ld": f"/* {text} */\n"}.get(kind, f"// {text}\n")
+    return head + _environment().get_template(template).render(**values)
+
+
+_cached: list[jinja2.Environment] = []
+
+
+def _environment() -> jinja2.Environment:
+    if not _cached:
+        _cached.append(
+            jinja2.Environment(
+                loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+                undefined=jinja2.StrictUndefined,
+                autoescape=False,
+                trim_blocks=True,
+                lstrip_blocks=True,
+                keep_trailing_newline=True,
+            )
+        )
+        _cached[0].filters.update(wrapped=rows.wrapped, snake=snake)
+    return _cached[0]

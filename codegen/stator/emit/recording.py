@@ -1,0 +1,265 @@
+"""Rows of a recording and of its replay, as docs/recording.md has the format; how much it takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from stator.emit import parameters as emit_parameters
+from stator.emit import rows as emit_rows
+from stator.graph.model import TYPES
+from stator.names import upper_camel
+from stator.plan.rates import Rates
+
+if TYPE_CHECKING:
+    from stator.emit.rows import Row
+    from stator.graph.model import Message, Node
+    from stator.plan.plan import Plan, Task
+
+START_LEVEL = 0  # of what is published before anything runs
+# A stream holds what its level records in this time, or in so many periods of the logger.
+HELD_US = 50_000
+HELD_PERIODS = 4
+LEAST_STREAM = 256
+# Bytes of parts of a record, at most as a rule.
+HEAD_BYTES = 8  # task, end, what fired, time since the one before
+TAKE_BYTES = 2  # tag and number
+CRC_BYTES = 4
+LOGGED_BYTES = 5  # of a logged sample, besides itself: size, type, topic
+
+
+@dataclass(frozen=True)
+class Port:
+    name: str
+    topic: str
+    kind: str  # trigger, thinned, latest, queue; of an output: crc, whole, stamp
+    tag: int
+    message: Message
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A task as a recording has it; `parameters` of a node are a task that runs once."""
+
+    name: str
+    kind: str  # app, driver, logger, parameters
+    level: int
+    inputs: tuple[Port, ...]
+    outputs: tuple[Port, ...]
+    params: tuple[Port, ...]  # outputs, too: parameters that it publishes
+    timers: int
+    lines: tuple[str, ...]
+
+
+def is_recordable(plan: Plan) -> bool:
+    """The logger is what takes a recording into the log."""
+    return any(node.interface.reads_log for node in plan.graph.nodes.values())
+
+
+def recorded_tasks(plan: Plan) -> list[Recorded]:
+    tasks = [_of_task(plan, task) for task in plan.tasks]
+    for topic in plan.topics.values():
+        if topic.owner:
+            port = Port("params", topic.name, "whole", 1, topic.message)
+            tasks.append(Recorded(topic.name, "parameters", START_LEVEL, (), (port,), (), 0, ()))
+    return tasks
+
+
+def _of_task(plan: Plan, task: Task) -> Recorded:
+    node = task.node
+    kind = "driver" if node.device is not None else "app"
+    kind = "logger" if node.interface.reads_log else kind
+    inputs = [
+        Port(key, i.topic, node.way_of(i), 0, plan.topics[i.topic].message)
+        for key, i in node.inputs.items()
+    ]
+    if node.interface.params_message is not None:
+        topic = f"{node.name}_params"
+        inputs.append(Port("params", topic, "latest", 0, node.interface.params_message))
+    how = {"app": "crc", "driver": "whole", "logger": "stamp"}[kind]
+    outputs = [
+        Port(key, o.topic, how, 0, plan.topics[o.topic].message) for key, o in node.outputs.items()
+    ]
+    params = [
+        Port(row["topic"], row["topic"], how, 0, plan.topics[row["topic"]].message)
+        for row in emit_parameters.published(plan, node)
+    ]
+    numbered = [
+        Port(port.name, port.topic, port.kind, tag, port.message)
+        for tag, port in enumerate((*inputs, *outputs, *params), start=1)
+    ]
+    timers = sum(1 for t in node.triggers if t.kind == "every")
+    lines = tuple(t.name for t in node.triggers if t.kind == "irq")
+    split, end = len(inputs), len(inputs) + len(outputs)
+    return Recorded(
+        node.name,
+        kind,
+        task.level,
+        tuple(numbered[:split]),
+        tuple(numbered[split:end]),
+        tuple(numbered[end:]),
+        timers,
+        lines,
+    )
+
+
+# --- what a recording says of itself ---
+
+
+def definitions(plan: Plan, file: str) -> list[str]:
+    lines = [f"graph {plan.graph.name} {plan.board.name} {file}"]
+    if plan.graph.modes is not None:
+        lines.append("modes " + " ".join(plan.graph.modes.sets))
+    tasks = recorded_tasks(plan)
+    messages = {
+        port.topic: port.message
+        for task in tasks
+        for port in (*task.inputs, *task.outputs, *task.params)
+    }
+    lines += [f"topic {name} {layout(message)}" for name, message in messages.items()]
+    lines += [task_line(task) for task in tasks]
+    return lines
+
+
+def layout(message: Message) -> str:
+    """Fields as ULog spells them, with the padding at the end, and so the whole size."""
+    parts = []
+    for field in message.fields:
+        count = "" if field.count is None else f"[{field.count}]"
+        parts.append(f"{TYPES[field.type][1]}{count} {field.name};")
+    return "".join(parts)
+
+
+def task_line(task: Recorded) -> str:
+    ports = [
+        ",".join(f"{port.name}:{port.topic}:{port.kind}" for port in side) or "-"
+        for side in (task.inputs, (*task.outputs, *task.params))
+    ]
+    return f"task {task.name} {task.level} {task.kind} {ports[0]} {ports[1]} {task.timers}"
+
+
+# --- rows ---
+
+
+def task_rows(plan: Plan) -> dict[str, Row]:
+    """What the wrapper of each task needs to record it."""
+    return {task.name: _task_row(plan, i, task) for i, task in enumerate(recorded_tasks(plan))}
+
+
+def _task_row(plan: Plan, index: int, task: Recorded) -> Row:
+    modes = plan.graph.modes
+    is_gated = modes is not None and any(task.name in names for names in modes.sets.values())
+    fired = ["uint64_t{is_anew}"] if is_gated else []
+    fired += ["(uint64_t{ports.fired.timers} << 1)"] if task.timers else []
+    fired += [
+        f"(uint64_t{{ports.fired.{line}}} << {1 + task.timers + i})"
+        for i, line in enumerate(task.lines)
+    ]
+    return {
+        "index": index,
+        "has_modes": modes is not None,
+        "stream": f"streams::level_{task.level}",
+        "fired": " | ".join(fired) or "0",
+        "inputs": [port_row(port) | {"age": _age(plan, task, port)} for port in task.inputs],
+        "outputs": [port_row(port) for port in task.outputs],
+        "params": [port_row(port) for port in task.params],
+        "starts": [p.name for p in task.inputs if p.kind in ("trigger", "queue")],
+    }
+
+
+def _age(plan: Plan, task: Recorded, port: Port) -> str:
+    """The argument of a port that does not take samples of any age."""
+    source = plan.graph.nodes[task.name].inputs.get(port.name)
+    return f", {source.max_age_us}" if source is not None and source.max_age_us else ""
+
+
+def port_row(port: Port) -> Row:
+    return {
+        "name": port.name,
+        "topic": port.topic,
+        "kind": port.kind,
+        "tag": port.tag,
+        "how": f"RecordedOutput::How::k{upper_camel(port.kind)}",
+        "floats": emit_rows.log_floats(port.message),
+    }
+
+
+def recording_row(plan: Plan, file: str) -> Row:
+    sizes = stream_bytes(plan)
+    return {
+        "streams": [
+            {"name": f"level_{level}", "bytes": size} for level, size in sorted(sizes.items())
+        ],
+        "levels": [
+            f"level_{level}" if level in sizes else "none" for level in range(max(sizes) + 1)
+        ],
+        "definitions": definitions(plan, file),
+    }
+
+
+# --- how much it takes ---
+
+
+def stream_bytes(plan: Plan) -> dict[int, int]:
+    """Bytes that each level's stream holds: a power of two."""
+    rates = Rates(plan.graph)
+    logger = next(n.name for n in plan.graph.nodes.values() if n.interface.reads_log)
+    held_us = max(Fraction(HELD_US), HELD_PERIODS * (rates.node(logger) or 0))
+    sizes: dict[int, Fraction] = {}
+    for task in recorded_tasks(plan):
+        each = _record_bytes(plan, task, rates)
+        activations = 1 if task.kind == "parameters" else held_us / _period_us(rates, task.name) + 1
+        sizes[task.level] = sizes.get(task.level, Fraction(0)) + each * activations
+    return {
+        level: _power_of_two(max(Fraction(LEAST_STREAM), size)) for level, size in sizes.items()
+    }
+
+
+def bytes_per_second(plan: Plan) -> int:
+    """What a log with a full recording takes, as a rule at most."""
+    rates = Rates(plan.graph)
+    recorded = sum(
+        _record_bytes(plan, task, rates) / _period_us(rates, task.name)
+        for task in recorded_tasks(plan)
+        if task.kind != "parameters"
+    )
+    logged = sum(
+        Fraction(LOGGED_BYTES + topic.message.bytes) / (topic.log_us or topic.period_us or 1000)
+        for topic in plan.topics.values()
+        if topic.log_us is not None
+    )
+    return round((recorded + logged) * 1_000_000)
+
+
+def storage_bytes_per_second(plan: Plan) -> int | None:
+    """What the storage takes on the board that the graph is for; None: its file does not say."""
+    devices = (d for d in plan.graph.board.devices.values() if d.bytes_per_s is not None)
+    return next((d.bytes_per_s for d in devices), None)
+
+
+def _period_us(rates: Rates, node: str) -> Fraction:
+    """Of a node that nothing is known of: 1 ms."""
+    return rates.node(node) or Fraction(1000)
+
+
+def _record_bytes(plan: Plan, task: Recorded, rates: Rates) -> Fraction:
+    total = Fraction(HEAD_BYTES)
+    for port in task.inputs:
+        samples = Fraction(1)
+        if port.kind == "queue" and (published := rates.topic(port.topic)):
+            samples = _period_us(rates, task.name) / published
+        total += TAKE_BYTES * samples
+    node: Node | None = plan.graph.nodes.get(task.name)
+    for port in task.outputs:
+        content = {"whole": port.message.bytes, "crc": CRC_BYTES, "stamp": 0}[port.kind]
+        burst = 1 if node is None else node.outputs[port.name].port.burst
+        total += burst * (TAKE_BYTES + content)
+    return total + (TAKE_BYTES + CRC_BYTES if task.params else 0)  # one node's at a time
+
+
+def _power_of_two(size: Fraction) -> int:
+    result = 1
+    while result < size:
+        result *= 2
+    return result

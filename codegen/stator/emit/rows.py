@@ -1,0 +1,383 @@
+"""Flat rows of ready strings for the templates, which only substitute and loop."""
+
+from __future__ import annotations
+
+import textwrap
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from stator import HOME
+from stator.graph.checks.parts import MODE_TOPIC
+from stator.graph.model import TYPES, Failsafe, Field, Interface, Message, Value
+from stator.names import upper_camel
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from stator.graph.model import Node
+    from stator.plan.plan import Plan, Task
+    from stator.plan.topics import TopicPlan
+
+Row = dict[str, Any]
+WORD_BITS = 64
+VECTOR_WORD_BITS = 32
+COLUMNS = 100
+
+
+# --- messages and ports ---
+
+
+def messages(plan: Plan) -> list[Message]:
+    """All messages that the graph's interfaces name, by name."""
+    found: dict[str, Message] = {}
+    for interface in interfaces(plan):
+        for port in (*interface.inputs.values(), *interface.outputs.values()):
+            found[port.message.name] = port.message
+        if interface.params_message is not None:
+            found[interface.params_message.name] = interface.params_message
+    return [found[name] for name in sorted(found)]
+
+
+def interfaces(plan: Plan) -> list[Interface]:
+    """Those of the nodes, and of all the board's drivers, as the board knows every one of these."""
+    found = {node.interface.name: node.interface for node in plan.graph.nodes.values()}
+    for device in plan.board.devices.values():
+        if device.driver != "none" and device.interface is not None:
+            found[device.interface.name] = device.interface
+    return [found[name] for name in sorted(found)]
+
+
+def fields(message: Message, defaults: dict[str, str]) -> list[Row]:
+    """`defaults`: literals of the fields that do not start at zero."""
+    offset = 0
+    result = []
+    for field in message.fields:
+        result.append(
+            {
+                "name": field.name,
+                "line": commented(
+                    f"{_cpp_type(field)} {field.name}{{{defaults.get(field.name, '')}}};",
+                    _comment(field),
+                ),
+                "enum": upper_camel(field.name) if field.values else "",
+                "values": [{"name": "k" + upper_camel(k), "value": v} for k, v in field.values],
+                "offset": offset,
+            }
+        )
+        offset += field.bytes
+    return result
+
+
+def defaults(plan: Plan, message: Message) -> dict[str, str]:
+    """Parameters start at their interface's defaults."""
+    for interface in interfaces(plan):
+        if interface.params_message == message:
+            return {p.name: literal(p.default) for p in interface.params.values()}
+    return {}
+
+
+def _cpp_type(field: Field) -> str:
+    # One number, where its size is one: a compiler clears the whole message for an empty array.
+    if field.name.startswith("_padding") and field.bytes in (1, 2, 4):
+        return f"uint{8 * field.bytes}_t"
+    single = upper_camel(field.name) if field.values else TYPES[field.type][0]
+    return single if field.count is None else f"std::array<{single}, {field.count}>"
+
+
+def _comment(field: Field) -> str:
+    parts = [field.unit if field.unit not in ("", "1") else "", field.frame]
+    unit = ", ".join(part for part in parts if part)
+    text = one_line(field.doc)
+    return f"{text} [{unit}]" if unit else text
+
+
+def commented(code: str, comment: str, indent: int = 4) -> str:
+    """A line of code with its comment behind it, or above it where that would be too long."""
+    space = " " * indent
+    line = f"{space}{code}  // {comment}" if comment else space + code
+    if len(line) <= COLUMNS:
+        return line
+    return wrapped(comment, indent) + f"\n{space}{code}"
+
+
+def wrapped(text: str, indent: int = 0) -> str:
+    """Text as // comments."""
+    space = " " * indent + "// "
+    return textwrap.fill(one_line(text), COLUMNS, initial_indent=space, subsequent_indent=space)
+
+
+def one_line(text: str) -> str:
+    """Text that stays inside a // comment whatever it holds."""
+    return " ".join(text.split()).replace("\\", "/")
+
+
+def ports(interface: Interface) -> Row:
+    used = {p.message.header for p in (*interface.inputs.values(), *interface.outputs.values())}
+    params = interface.params_message
+    return {
+        "class": interface.class_name,
+        "headers": sorted(used | ({params.header} if params else set())),
+        "lines": [
+            commented(f"bool {name} = false;", one_line(doc), 8)
+            for name, doc in interface.lines.items()
+        ],
+        "inputs": [
+            commented(f"Input<{p.message.name}> {p.name}{{}};", one_line(p.doc))
+            for p in interface.inputs.values()
+        ],
+        "params": params.name if params else "",
+        "outputs": [
+            commented(f"Output<{p.message.name}> {p.name}{{}};", one_line(p.doc))
+            for p in interface.outputs.values()
+        ],
+    }
+
+
+# --- pending bits ---
+
+
+def pend(plan: Plan, task: Task) -> str:
+    word, bit = _place(plan, task)
+    return f"{{{word}, {1 << bit:#x}}}"
+
+
+def pends(plan: Plan, woken: list[Task], thinned: list[Task]) -> list[str]:
+    """One entry for each word that subscribers' bits lie in, with the bits that are always set. The
+    word of the most urgent task comes first."""
+    words: dict[int, int] = {}
+    for task in sorted((*woken, *thinned), key=lambda task: task.index):
+        word, bit = _place(plan, task)
+        words[word] = words.get(word, 0) | (1 << bit if task in woken else 0)
+    return [f"{{{word}, {mask:#x}}}" for word, mask in words.items()]
+
+
+def _place(plan: Plan, task: Task) -> tuple[int, int]:
+    """Word and bit: among the vectors where these are tasks; in its level where that is a thread;
+    else in one list, in order of urgency."""
+    if plan.board.executor == "pthread":
+        return plan.levels.index(task.level), task.index - task.level_begin
+    if plan.board.executor == "cortex_m" and task.vector is not None:
+        return divmod(task.vector, VECTOR_WORD_BITS)
+    return divmod(task.index, WORD_BITS)
+
+
+# --- topics ---
+
+
+def topic(plan: Plan, planned: TopicPlan) -> Row:
+    woken: list[Task] = []
+    intervals: dict[str, int] = {}
+    for name, _ in planned.readers:
+        trigger = plan.graph.nodes[name].trigger_of(planned.name)
+        if trigger is None:
+            continue
+        if trigger.min_interval_us is None:
+            woken.append(plan.task(name))
+        else:
+            intervals[name] = trigger.min_interval_us
+    thinned = [plan.task(name) for name in intervals]
+    return {
+        "name": planned.name,
+        "message": planned.message.name,
+        "header": planned.message.header,
+        "depth": planned.depth,
+        "slots": planned.slots,
+        "ceiling": planned.ceiling,
+        "ring": 2 * planned.depth if planned.depth > 1 else 0,
+        # Threads pend thinned tasks by themselves.
+        "subscribers": pends(plan, woken, [] if plan.board.executor == "pthread" else thinned),
+        "thinned": [
+            {"node": t.node.name, "interval_us": intervals[t.node.name], "pend": pend(plan, t)}
+            for t in thinned
+        ],
+    }
+
+
+# --- modes, log ---
+
+
+def literal(value: Value) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, Fraction):
+        return f"{float(value)!r}F"
+    return str(value)
+
+
+def modes(plan: Plan) -> Row:
+    graph_modes = plan.graph.modes
+    assert graph_modes is not None
+    gated = [
+        node
+        for node in plan.graph.nodes
+        if any(node in names for names in graph_modes.sets.values())
+    ]
+    sets = [
+        {"name": name, "runs": ", ".join("true" if node in names else "false" for node in gated)}
+        for name, names in graph_modes.sets.items()
+    ]
+    return {
+        "gated": gated,
+        "sets": sets,
+        "topic": MODE_TOPIC,
+        "initial": list(graph_modes.sets).index(graph_modes.initial),
+    }
+
+
+def log(plan: Plan) -> Row | None:
+    if not any(node.interface.reads_log for node in plan.graph.nodes.values()):
+        return None
+    logged = [t for t in plan.topics.values() if t.log_us is not None]
+    return {
+        "topics": [
+            {
+                "name": t.name,
+                "format": _log_format(t.message),
+                "interval_us": t.log_us,
+                "bytes": sum(field.bytes for field in _logged_fields(t.message)),
+                "floats": log_floats(t.message),
+            }
+            for t in logged
+        ],
+        "parameters": [
+            _log_parameter(node, key) for node in plan.graph.nodes.values() for key in node.params
+        ],
+    }
+
+
+def _logged_fields(message: Message) -> tuple[Field, ...]:
+    """Without the padding at the end, which readers of ULog do not expect in the data."""
+    last = message.fields[-1]
+    return message.fields[:-1] if last.name.startswith("_padding") else message.fields
+
+
+def _log_format(message: Message) -> str:
+    parts = []
+    for field in _logged_fields(message):
+        count = "" if field.count is None else f"[{field.count}]"
+        parts.append(f"{TYPES[field.type][1]}{count} {field.name};")
+    return "".join(parts)
+
+
+def log_floats(message: Message) -> list[str]:
+    runs: list[tuple[int, int, int]] = []  # offset, count, bytes of one
+    offset = 0
+    for field in message.fields:
+        if field.type in ("float", "double"):
+            size, count = TYPES[field.type][2], field.count or 1
+            if runs and runs[-1][0] + runs[-1][1] * runs[-1][2] == offset and runs[-1][2] == size:
+                runs[-1] = (runs[-1][0], runs[-1][1] + count, size)
+            else:
+                runs.append((offset, count, size))
+        offset += field.bytes
+    return [f"{{{offset}, {count}, {size}}}" for offset, count, size in runs]
+
+
+def _log_parameter(node: Node, key: str) -> Row:
+    is_float = node.interface.params[key].type == "float"
+    value = node.params[key]
+    return {
+        "name": f"{node.name}.{key}",
+        "is_float": "true" if is_float else "false",
+        "float": literal(value) if is_float else "0.0F",
+        "int32": "0" if is_float else str(int(value)),
+    }
+
+
+# --- the program and its build ---
+
+
+def program(plan: Plan) -> Row:
+    begins = []
+    for level in range(16):
+        # A level without tasks begins where the next lower one does.
+        begins.append(sum(1 for task in plan.tasks if task.level > level))
+    return {
+        "words": max(1, -(-len(plan.tasks) // WORD_BITS)),
+        "level_begin": begins,
+        "task_count": len(plan.tasks),
+        "watched": watched(plan),
+    }
+
+
+def _chip_folder(plan: Plan) -> Path:
+    """Where the code lies that all boards with such a chip share."""
+    assert plan.board.chip is not None
+    return plan.board.file.parents[1] / plan.board.chip.name.split("/")[0]
+
+
+def watched(plan: Plan) -> list[Row]:
+    """Tasks that must show life, and how often; unbound drivers never do."""
+    gated = set(modes(plan)["gated"]) if plan.graph.modes is not None else set()
+    return [
+        {
+            "name": task.node.name,
+            "task": task.index,
+            "window_us": task.window_us,
+            "gate": f"&tasks::{task.node.name}::state.gate"
+            if task.node.name in gated
+            else "nullptr",
+        }
+        for task in plan.tasks
+        if task.window_us is not None and _is_bound(plan, task.node)
+    ]
+
+
+def _is_bound(plan: Plan, node: Node) -> bool:
+    return node.device is None or plan.board.devices[node.device].driver != "none"
+
+
+def failsafe(table: Failsafe) -> Row:
+    return {
+        "events": [upper_camel(event) for event in table.events],
+        "rows": [
+            {"mode": upper_camel(mode), "nexts": [upper_camel(following) for following in row]}
+            for mode, row in zip(table.modes, table.rows, strict=True)
+        ],
+    }
+
+
+def build(plan: Plan, files: dict[str, str]) -> Row:
+    folders = _app_folders(plan)
+    for device in plan.board.devices.values():
+        if device.driver != "none" and device.interface is not None:
+            folder = device.interface.file.parent / device.driver.split("/")[1]
+            folders[device.driver.replace("/", "_")] = folder
+    return _build(plan, files, folders) | {
+        "board": str(plan.board.file.parent),
+        "chip": "" if plan.board.chip is None else str(_chip_folder(plan)),
+        "executor": plan.board.executor,
+    }
+
+
+def replay_build(plan: Plan, files: dict[str, str]) -> Row:
+    """No driver and no logger; the executor brings its own program."""
+    folders = _app_folders(plan)
+    for node in plan.graph.nodes.values():
+        if node.interface.reads_log:
+            folders.pop(node.interface.name, None)
+    return _build(plan, files, folders) | {
+        "board": str(HOME / "runtime" / "replay"),
+        "chip": "",
+        "executor": "replay",
+    }
+
+
+def _app_folders(plan: Plan) -> dict[str, Path]:
+    return {
+        node.interface.name: node.interface.file.parent
+        for node in plan.graph.nodes.values()
+        if node.device is None
+    }
+
+
+def _build(plan: Plan, files: dict[str, str], folders: dict[str, Path]) -> Row:
+    inputs = [*plan.graph.files, plan.board.file]
+    return {
+        "sources": [name for name in files if name.endswith(".cpp")],
+        "libraries": [
+            {"name": name, "folder": str(folder)} for name, folder in sorted(folders.items())
+        ],
+        "inputs": sorted({str(path) for path in inputs}),
+        "home": str(HOME),
+    }

@@ -1,0 +1,153 @@
+"""What a flight was: the facts that `--json` prints and that are kept beside the log."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import signal
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stator import HOME
+
+if TYPE_CHECKING:
+    import subprocess
+
+    from stator.flight.judge import Judgement, Problem
+    from stator.mission.model import Mission
+
+
+RESTART = "a restart that somebody who may asked for"
+
+
+def keep(facts: dict[str, object]) -> None:
+    """The report, beside the log: `./stator plot` draws with it."""
+    log = Path(str(facts["log"]))
+    report = json.dumps(facts, indent=2) + "\n"
+    log.with_name(f"{log.name.removesuffix('.ulg')}.json").write_text(report, encoding="utf-8")
+
+
+def default_log(graph: Path, seed: int, kind: str = "") -> Path:
+    folder = HOME / "build" / "flights"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder / f"{graph.stem}-seed{seed}{kind}.ulg"
+
+
+def facts_of(
+    finished: subprocess.CompletedProcess[str],
+    log: Path,
+    truth: Path,
+    mission: Mission | None = None,
+    *,
+    most_s: float,
+    judges: bool = True,
+    in_wind: bool = False,
+    is_recorded: bool = False,
+) -> dict[str, object]:
+    """What `--json` prints. A fact that there is none of is None."""
+    facts: dict[str, object] = {
+        "success": False,
+        "reason": "",
+        "problems": [],
+        "log": str(log.resolve()),
+        "log_sha256": _sha256(log),
+        "truth": str(truth.resolve()),
+        "recording": str(log.resolve()) if is_recorded else None,
+        "speed_vs_real_time": None,
+        "lost_samples": None,
+        "activations": None,
+        "preemptions": None,
+        "unrecorded_activations": None,
+        "missed_life_signs": None,
+        "duration_s": None,
+        "max_error_m": None,
+        "rms_error_m": None,
+        "hover_horizontal_rms_m": None,
+        "hover_vertical_rms_m": None,
+        "hover_s": None,
+        "hover_height_m": None,
+        "attitude_error_deg": None,
+        "take_off_s": None,
+        "touchdown_s": None,
+        "touchdown_m_s": None,
+    }
+    if finished.returncode < 0:
+        name = signal.Signals(-finished.returncode).name
+        facts["reason"] = f"the flight program died of {name}: {finished.stderr.strip()}"
+        return facts
+    run = json.loads(finished.stdout)
+    facts["speed_vs_real_time"] = run["simulated_s"] / run["wall_s"]
+    facts["duration_s"] = run["simulated_s"]
+    facts |= {key: value for key, value in run.items() if key in facts}
+    if not is_recorded:
+        facts |= {"preemptions": None, "unrecorded_activations": None}
+    restarts = run["ended"] == "restart"
+    if not judges:
+        reason = f"ended by {RESTART}" if restarts else "ran to its end"
+        return facts | {"success": True, "reason": reason}
+    facts |= _judged(log, truth, run, mission, in_wind=in_wind)
+    if not facts["success"] and run.get("ended") == "time_limit":
+        cut = f"ended by --duration {most_s:g} s before the flight was over"
+        facts["reason"] = f"{cut}; {facts['reason']}"
+    if restarts:
+        facts["reason"] = f"ended by {RESTART} at {run['simulated_s']:.2f} s; {facts['reason']}"
+    return facts
+
+
+def _judged(
+    log: Path,
+    truth: Path,
+    run: dict[str, object],
+    mission: Mission | None,
+    *,
+    in_wind: bool,
+) -> dict[str, object]:
+    from pyulog import ULog
+
+    from stator.flight.judge import CALM, IN_WIND, judge
+    from stator.flight.log import UnreadableFlight, read_flight, read_truth
+    from stator.flight.mission import judge_mission
+
+    if log.stat().st_size == 0:
+        return {"reason": "the log is empty, so the flight cannot be judged"}
+    try:
+        ulog = ULog(str(log))
+        flight = read_flight(ulog, read_truth(truth), run)
+        if mission is not None:
+            flown = judge_mission(ulog, flight, mission)
+            return flown.facts | _verdict(flown.problems)
+        limits = IN_WIND if in_wind else CALM
+        judgement = judge(flight, limits)
+    except UnreadableFlight as unreadable:
+        return {"reason": str(unreadable)}
+    return _judgement_facts(judgement) | {"limits": limits.as_json()}
+
+
+def _verdict(problems: list[Problem]) -> dict[str, object]:
+    texts = [problem.text for problem in problems]
+    return {
+        "success": not problems,
+        "reason": "; ".join(texts) or "landed and disarmed, within all limits",
+        "problems": [problem.as_json() for problem in problems],
+    }
+
+
+def _judgement_facts(judgement: Judgement) -> dict[str, object]:
+    facts = _verdict(judgement.problems)
+    if judgement.hover is not None:
+        facts |= {
+            "max_error_m": judgement.hover.max_error_m,
+            "rms_error_m": judgement.hover.rms_error_m,
+            "hover_horizontal_rms_m": judgement.hover.horizontal_rms_m,
+            "hover_vertical_rms_m": judgement.hover.vertical_rms_m,
+            "hover_s": judgement.hover.seconds,
+            "hover_height_m": judgement.hover.height_m,
+        }
+    if judgement.tilt is not None:
+        facts["attitude_error_deg"] = judgement.tilt.rms_deg
+    return facts
+
+
+def _sha256(log: Path) -> str:
+    with log.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,0 +1,267 @@
+"""Judges a simulated mission: what the log and the truth say against the mission and its limits.
+
+Positions count from home, which is where the vehicle was armed: for the truth, where it truly was.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stator.flight import log as flight_log
+from stator.flight.judge import Problem, at_end, ending, landing_problems, place, rms
+from stator.flight.log import FAILSAFE_EVENTS, NAV_STATES, in_flight, newest
+from stator.mission.model import EIGHT, LAND, NAMES, RETURN, TAKEOFF, WAYPOINT, Mission
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from pyulog import ULog
+
+    from stator.flight.log import Flight, Floats
+
+    Rows = NDArray[np.bool_]
+
+ARMED, IN_MISSION = 2, 3  # graph/messages/VehicleStatus.yaml
+USUAL_LIMITS = {"touchdown_speed": 1.0}
+# How long the setpoint must have rested before a vehicle counts as staying.
+SETTLED_S = 3.0
+CHECKS = {
+    "sensors_ok": "a sensor is silent",
+    "estimator_ok": "the position is not known",
+    "battery_ok": "the battery is low",
+    "rc_ok": "the pilot is not heard",
+    "logging_ok": "no log is written",
+    "mission_ok": "the mission cannot be flown",
+}
+
+
+@dataclass
+class MissionFlight:
+    """What was measured, under the names that --json has. None: there was nothing to measure."""
+
+    facts: dict[str, object] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+
+    def limit(self, key: str, value: float | None, most: float | None, what: str) -> None:
+        """Of a figure of the whole flight."""
+        self.facts[key] = value
+        if most is None:
+            return
+        if value is None:
+            self.problems.append(Problem(f"{what} could not be measured"))
+        elif value > most:
+            self.problems.append(Problem(f"{what} {value:.2f} m (limit {most:g} m)"))
+
+    def limit_each(
+        self, key: str, values: Floats, most: float | None, what: str, flight: Flight, rows: Rows
+    ) -> None:
+        """Of a distance at each of these rows of the truth."""
+        worst = int(np.argmax(values)) if values.size else 0
+        value = float(values[worst]) if values.size else None
+        if value is None or most is None or value <= most:
+            self.limit(key, value, most, what)
+            return
+        self.facts[key] = value
+        row = np.flatnonzero(rows)[worst]
+        time_s, position = float(flight.truth.time_s[row]), flight.truth.position[row]
+        text = f"{what} {value:.2f} m at {time_s:.2f} s, {place(position)} (limit {most:g} m)"
+        self.problems.append(Problem(text, time_s, position))
+
+
+def judge_mission(log: ULog, flight: Flight, mission: Mission) -> MissionFlight:
+    result = MissionFlight()
+    limits = USUAL_LIMITS | mission.limits
+    status = flight_log.topic(log, "vehicle_status")
+    result.facts |= {"modes": _modes(status), "limits": limits}
+    progress = flight_log.topic(log, "mission_result")
+    total = sum(item.kind not in (RETURN, LAND) for item in mission.items)
+    reached = int(np.max(progress["seq_reached"], initial=-1)) + 1
+    result.facts |= {"items_total": total, "items_reached": min(reached, total)}
+    result.facts["items"] = _items(progress, mission)
+    armed = np.flatnonzero(flight.arming_state == ARMED)
+    if armed.size == 0:
+        result.problems.append(Problem(f"never armed: {_why_not(log)}"))
+        return result
+    if flight.take_off_s is None:
+        result.problems.append(at_end(flight, f"never took off: {ending(flight)}"))
+        return result
+    home = _at(flight.truth.time_s, flight.truth.position, flight.status_time_s[armed[0]])
+    if reached < total:
+        text = f"reached {reached} of {total} items of the mission: {ending(flight)}"
+        result.problems.append(at_end(flight, text))
+    result.problems += _failsafes(result.facts["modes"])
+    result.problems += landing_problems(flight, limits["touchdown_speed"])
+    _measure(result, log, flight, mission, limits, home)
+    return result
+
+
+def _measure(
+    result: MissionFlight,
+    log: ULog,
+    flight: Flight,
+    mission: Mission,
+    limits: dict[str, float],
+    home: Floats,
+) -> None:
+    truth = flight.truth.position - home
+    setpoint = _setpoints(log, flight)
+    flown = in_flight(flight, flight.truth.time_s)
+    away = _distance_from_way(truth[flown, :2], _way(mission))
+    most = limits.get("corridor")
+    result.limit_each("corridor_m", away, most, "off the straight way", flight, flown)
+    landing = np.linalg.norm(truth[-1:, :2], axis=1)
+    last = np.arange(len(truth)) == len(truth) - 1
+    most = limits.get("landing_error")
+    result.limit_each("landing_error_m", landing, most, "landed off home by", flight, last)
+    result.facts |= _errors(log, flight, setpoint + home)
+
+    staying = _at_rest(flight, setpoint) & flown
+    error = truth[staying] - setpoint[staying]
+    horizontal = rms(np.linalg.norm(error[:, :2], axis=1)) if error.size else None
+    vertical = rms(error[:, 2]) if error.size else None
+    most = limits.get("hold_horizontal_rms")
+    result.limit("hold_horizontal_rms_m", horizontal, most, "while staying, horizontal RMS")
+    most = limits.get("hold_vertical_rms")
+    result.limit("hold_vertical_rms_m", vertical, most, "while staying, vertical RMS")
+    tracking = _tracking(log, flight, mission)
+    result.limit("tracking_rms_m", tracking, limits.get("tracking_rms"), "tracking RMS")
+
+
+# --- parts ---
+
+
+def _modes(status: dict[str, NDArray[np.generic]]) -> list[dict[str, object]]:
+    """Each change of arming or mode: when, which, and after which failsafe event."""
+    rows = np.column_stack(
+        [status[key].astype(np.int64) for key in ("arming_state", "nav_state", "failsafe_event")]
+    )
+    changed = np.flatnonzero(np.any(np.diff(rows, axis=0) != 0, axis=1)) + 1
+    return [
+        {
+            "time_s": float(status["timestamp"][i]) * 1e-6,
+            "armed": bool(rows[i, 0] == ARMED),
+            "mode": NAV_STATES.get(int(rows[i, 1]), "no known mode"),
+            "failsafe": FAILSAFE_EVENTS.get(int(rows[i, 2]), ""),
+        }
+        for i in (0, *changed)
+    ]
+
+
+def _failsafes(modes: object) -> list[Problem]:
+    assert isinstance(modes, list)
+    events = {m["failsafe"]: m for m in reversed(modes) if m["failsafe"]}
+    return [
+        Problem(f"failsafe {event} at {m['time_s']:.2f} s: {m['mode']}", m["time_s"])
+        for event, m in events.items()
+    ]
+
+
+def _items(progress: dict[str, NDArray[np.generic]], mission: Mission) -> list[dict[str, object]]:
+    """Each item that can be reached, and when it was, if it was."""
+    reached = progress["seq_reached"].astype(np.int64)
+    time_s = flight_log.seconds(progress["timestamp"])
+    rows: list[dict[str, object]] = []
+    for number, item in enumerate(mission.items):
+        if item.kind in (RETURN, LAND):
+            continue
+        at = np.flatnonzero(reached >= number)
+        when = float(time_s[at[0]]) if at.size else None
+        rows.append({"kind": NAMES.get(item.kind, str(item.kind)), "reached_s": when})
+    return rows
+
+
+def _errors(log: ULog, flight: Flight, setpoint: Floats) -> dict[str, object]:
+    """Distances in the air, RMS and worst: of the truth and of the estimate from the setpoint, and
+    of the estimate from the truth."""
+    local = flight_log.topic(log, "vehicle_local_position")
+    estimate = newest(
+        flight_log.seconds(local["timestamp"]),
+        flight_log.columns(local, ["x", "y", "z"]),
+        flight.truth.time_s,
+    )
+    flown = in_flight(flight, flight.truth.time_s)
+    pairs = {
+        "truth_off_setpoint": flight.truth.position - setpoint,
+        "estimate_off_setpoint": estimate - setpoint,
+        "estimate_off_truth": estimate - flight.truth.position,
+    }
+    facts: dict[str, object] = {}
+    for name, difference in pairs.items():
+        known = flown & np.isfinite(difference).all(axis=1)
+        length = np.linalg.norm(difference[known], axis=1)
+        facts[f"{name}_rms_m"] = rms(length) if length.size else None
+        facts[f"{name}_max_m"] = float(length.max()) if length.size else None
+    return facts
+
+
+def _why_not(log: ULog) -> str:
+    health = flight_log.topic(log, "health_report")
+    return "; ".join(text for key, text in CHECKS.items() if not health[key][-1]) or "not asked to"
+
+
+def _at(times: Floats, values: Floats, at: float) -> Floats:
+    row: Floats = values[min(int(np.searchsorted(times, at)), len(values) - 1)]
+    return row
+
+
+def _setpoints(log: ULog, flight: Flight) -> Floats:
+    """From home, at the times of the truth."""
+    home = flight_log.topic(log, "home_position")
+    position = np.column_stack([home[key] for key in ("x", "y", "z")]).astype(np.float64)
+    at_home = newest(flight_log.seconds(home["timestamp"]), position, flight.truth.time_s)
+    return newest(flight.setpoint_time_s, flight.setpoint, flight.truth.time_s) - at_home
+
+
+def _at_rest(flight: Flight, setpoint: Floats) -> NDArray[np.bool_]:
+    """In mission mode with a setpoint that has not moved for a while."""
+    time = flight.truth.time_s
+    nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
+    moves = np.any(np.diff(setpoint, axis=0, prepend=setpoint[:1]) != 0.0, axis=1)
+    moves |= ~np.isfinite(setpoint).all(axis=1) | (nav_state != IN_MISSION)
+    last = np.maximum.accumulate(np.where(moves, time, -np.inf))
+    rests: NDArray[np.bool_] = time - last >= SETTLED_S
+    return rests
+
+
+def _way(mission: Mission) -> Floats:
+    """The corners of the straight way, beginning and ending at home."""
+    places = [(i.north, i.east) for i in mission.items if i.kind == WAYPOINT]
+    land = [(i.north, i.east) for i in mission.items if i.kind == LAND]
+    return np.array([(0.0, 0.0), *places, *(land or [(0.0, 0.0)])])
+
+
+def _distance_from_way(points: Floats, way: Floats) -> Floats:
+    """Of each point the distance to the nearest piece."""
+    nearest = np.full(len(points), np.inf)
+    for start, end in pairwise(way):
+        along = end - start
+        length2 = float(along @ along)
+        part = (
+            np.clip((points - start) @ along / length2, 0, 1) if length2 else np.zeros(len(points))
+        )
+        off = points - start - part[:, None] * along
+        nearest = np.minimum(nearest, np.linalg.norm(off, axis=1))
+    return nearest
+
+
+def _tracking(log: ULog, flight: Flight, mission: Mission) -> float | None:
+    """RMS of estimate against setpoint, horizontally, while the mission moves: in its eights alone,
+    if it has any."""
+    progress = flight_log.topic(log, "mission_result")
+    position = flight_log.topic(log, "vehicle_local_position")
+    time = flight_log.seconds(position["timestamp"])
+    estimate = np.column_stack([position["x"], position["y"]]).astype(np.float64)
+    setpoint = newest(flight.setpoint_time_s, flight.setpoint, time)[:, :2]
+    item = newest(
+        flight_log.seconds(progress["timestamp"]), progress["seq_current"].astype(np.float64), time
+    )
+    nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
+    eights = [i for i, m in enumerate(mission.items) if m.kind == EIGHT]
+    counted = eights or [i for i, m in enumerate(mission.items) if m.kind != TAKEOFF]
+    rows = in_flight(flight, time) & (nav_state == IN_MISSION) & np.isin(item, counted)
+    rows &= np.isfinite(setpoint).all(axis=1)
+    error = np.linalg.norm(estimate[rows] - setpoint[rows], axis=1)
+    return rms(error) if error.size else None

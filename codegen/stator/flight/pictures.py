@@ -1,0 +1,123 @@
+"""What a picture of a flight shows: from its log, and where there are any, the record of the true
+flight and the report beside it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stator.diagnostics import UserError
+from stator.flight.log import (
+    NAV_STATES,
+    Floats,
+    Truth,
+    UnreadableFlight,
+    columns,
+    indexed,
+    read_truth,
+    seconds,
+    topic,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from pyulog import ULog
+
+ROTORS = 4
+
+
+@dataclass(frozen=True)
+class Series:
+    """One quantity over time; a column each."""
+
+    time_s: Floats
+    values: Floats
+
+
+@dataclass(frozen=True)
+class Flown:
+    """What the picture shows; None or empty for what the log does not have. Frame N, m, rad."""
+
+    title: str
+    truth: Truth | None
+    position: Series | None
+    setpoint: Series | None
+    attitude: Series | None  # q_NB
+    motors: Series | None
+    modes: list[tuple[float, float, str]]  # from, to, name
+    facts: dict[str, Any]  # what the flight's report said
+
+
+def read(file: Path) -> Flown:
+    from pyulog import ULog
+
+    try:
+        log = ULog(str(file))
+    except OSError as error:
+        raise UserError(
+            f"error: cannot read '{file}': {error.strerror}\n"
+            "hint: ./stator fly writes a log, and says where"
+        ) from None
+    except Exception as error:  # whatever a broken file makes of the reader
+        raise UserError(f"error: '{file}' is no ULog file that can be read: {error}") from None
+    flown = Flown(
+        title=str(log.msg_info_dict.get("graph", file.stem)),
+        truth=_truth(file),
+        position=_series(log, "vehicle_local_position", ["x", "y", "z"]),
+        setpoint=_series(log, "trajectory_setpoint", indexed("position", 3)),
+        attitude=_series(log, "vehicle_attitude", indexed("q", 4)),
+        motors=_series(log, "actuator_motors", indexed("control", ROTORS)),
+        modes=list(_modes(log)),
+        facts=_facts(file),
+    )
+    if flown.position is None and flown.truth is None:
+        raise UserError(
+            f"error: '{file}' has no topic vehicle_local_position, so there is no path to draw\n"
+            "hint: does the graph log it? ./stator explain GRAPH vehicle_local_position"
+        )
+    return flown
+
+
+def _truth(file: Path) -> Truth | None:
+    truth = file.with_suffix(".truth")
+    try:
+        return read_truth(truth) if truth.is_file() else None
+    except UnreadableFlight as unreadable:
+        raise UserError(f"error: {unreadable}\nhint: remove it to draw the log alone") from None
+
+
+def _facts(file: Path) -> dict[str, Any]:
+    """The report that `fly` keeps beside the log."""
+    report = file.with_suffix(".json")
+    if not report.is_file():
+        return {}
+    facts: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
+    return facts
+
+
+def _series(log: ULog, name: str, names: list[str]) -> Series | None:
+    try:
+        data = topic(log, name)
+    except UnreadableFlight:
+        return None
+    return Series(seconds(data["timestamp"]), columns(data, names))
+
+
+def _modes(log: ULog) -> Iterator[tuple[float, float, str]]:
+    try:
+        status = topic(log, "vehicle_status")
+    except UnreadableFlight:
+        return
+    time_s = seconds(status["timestamp"])
+    state = status["nav_state"].astype(int)
+    edges = [0, *(np.flatnonzero(np.diff(state)) + 1), state.size]
+    for begin, end in pairwise(edges):
+        until = time_s[end] if end < state.size else time_s[-1]
+        number = int(state[begin])
+        yield float(time_s[begin]), float(until), NAV_STATES.get(number, f"mode {number}")

@@ -1,0 +1,158 @@
+"""A flight's facts, told to people."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+
+from stator.diagnostics import UserError, shown_path
+
+
+def report(facts: dict[str, object]) -> None:
+    show(facts, [*flight_rows(facts), *_run_rows(facts)])
+
+
+def show(facts: dict[str, object], more: list[tuple[str, str]]) -> None:
+    """The result, and rows of labels and texts."""
+    from rich.console import Console
+
+    console = Console(highlight=False, soft_wrap=True, markup=False)
+    good = bool(facts["success"])
+    title = f"{facts['graph']} on {facts['board']}, seed {facts['seed']}: "
+    console.print(title, end="")
+    console.print("success" if good else "FAILED", style="bold green" if good else "bold red")
+    reasons = str(facts["reason"]).split("; ")
+    rows = [("result" if good else "why", reason) for reason in reasons]
+    rows += more
+    previous = ""
+    for label, text in rows:
+        console.print(f"  {'' if label == previous else label:<10}{text}")
+        previous = label
+
+
+def flight_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
+    rows = _mission_rows(facts) if facts.get("mission") else []
+    limits = facts.get("limits", {})
+    assert isinstance(limits, dict)
+    if facts["take_off_s"] is not None:
+        rows.append(("take-off", f"at {facts['take_off_s']:.2f} s"))
+    if facts["max_error_m"] is not None:
+        where = f"{facts['hover_s']:.1f} s at {facts['hover_height_m']:.2f} m"
+        limit = limit_of(limits.get("hover_m"), "m")
+        error = f"{facts['max_error_m']:.3f} m off at most{limit}, {facts['rms_error_m']:.3f} m RMS"
+        rows.append(("hover", f"{where}: {error}"))
+        for way in ("horizontal", "vertical"):
+            key = f"hover_{way}_rms_m"
+            if limits.get(key) is not None:
+                error = f"{facts[key]:.3f} m RMS {way}"
+                rows.append(("hover", f"{error}{limit_of(limits[key], 'm')}"))
+    if facts["attitude_error_deg"] is not None:
+        error = f"{facts['attitude_error_deg']:.2f} deg RMS error of the estimate in flight"
+        rows.append(("tilt", f"{error}{limit_of(limits.get('tilt_error_deg'), 'deg')}"))
+    if facts["touchdown_m_s"] is not None:
+        when = f"at {facts['touchdown_s']:.2f} s with {facts['touchdown_m_s']:.2f} m/s"
+        most = limits.get("touchdown_speed" if facts.get("mission") else "touchdown_m_s")
+        rows.append(("touchdown", f"{when}{limit_of(most, 'm/s')}"))
+    return rows
+
+
+def limit_of(most: float | None, unit: str) -> str:
+    return "" if most is None else f" (limit {most:g} {unit})"
+
+
+# Facts of a mission, the limit of its file that each is held to, and what they say.
+MEASURED = {
+    "corridor_m": ("corridor", "off the straight way at most"),
+    "landing_error_m": ("landing_error", "from home at the landing"),
+    "hold_horizontal_rms_m": ("hold_horizontal_rms", "horizontal RMS while staying"),
+    "hold_vertical_rms_m": ("hold_vertical_rms", "vertical RMS while staying"),
+    "tracking_rms_m": ("tracking_rms", "horizontal RMS of estimate off setpoint, moving"),
+}
+ERRORS = {
+    "truth_off_setpoint": "truth off setpoint",
+    "estimate_off_setpoint": "estimate off setpoint",
+    "estimate_off_truth": "estimate off truth",
+}
+
+
+def _mission_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
+    items, modes, limits = facts.get("items", []), facts["modes"], facts["limits"]
+    assert isinstance(items, list)
+    assert isinstance(modes, list)
+    assert isinstance(limits, dict)
+    rows = [("mission", f"{facts['items_reached']} of {facts['items_total']} items reached")]
+    for number, item in enumerate(items, 1):
+        when = item["reached_s"]
+        reached = "not reached" if when is None else f"{when:6.2f} s"
+        rows.append(("items", f"{number:2} {item['kind']:<16}{reached}"))
+    for mode in modes:
+        why = f"  because of {mode['failsafe']}" if mode["failsafe"] else ""
+        state = mode["mode"] if mode["armed"] else "disarmed"
+        rows.append(("modes", f"   {state:<16}{mode['time_s']:6.2f} s{why}"))
+    for key, (limit, text) in MEASURED.items():
+        if facts.get(key) is not None:
+            most = f" (limit {limits[limit]:g} m)" if limit in limits else ""
+            rows.append(("measured", f"{facts[key]:6.2f} m  {text}{most}"))
+    for key, text in ERRORS.items():
+        if facts.get(f"{key}_rms_m") is not None:
+            worst = f"{facts[f'{key}_max_m']:.2f} m at most"
+            rows.append(("in flight", f"{facts[f'{key}_rms_m']:6.2f} m  RMS {text}, {worst}"))
+    return rows
+
+
+def log_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
+    log = Path(str(facts["log"]))
+    size = f"{shown_path(log)} ({log.stat().st_size / 1e6:.1f} MB)"
+    most, stored = facts.get("recording_bytes_per_s"), facts.get("storage_bytes_per_s")
+    if most is None:
+        return [("log", size)]
+    rows = [("log", f"{size}: at most {_kilobytes(most)} with the recording")]
+    if stored is not None:
+        takes = f"{facts['storage_board']} takes {_kilobytes(stored)}"
+        if int(str(most)) > int(str(stored)):
+            takes += ": TOO LITTLE for the most; --no-record leaves the recording out"
+        rows.append(("storage", takes))
+    return rows
+
+
+def _kilobytes(rate: object) -> str:
+    return f"{int(str(rate)) / 1000:.0f} kB/s"
+
+
+def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
+    rows = []
+    if facts["duration_s"] is not None:
+        speed = f"{facts['duration_s']:.1f} s at {facts['speed_vs_real_time']:.0f} times real time"
+        counts = f"{facts['activations']:,} activations, {facts['lost_samples']} samples lost"
+        rows.append(("run", f"{speed}; {counts}"))
+    rows += log_rows(facts)
+    if facts["missed_life_signs"]:
+        missed = f"{facts['missed_life_signs']} life signs missed; the log says whose"
+        rows.append(("silent", missed))
+    if facts["unrecorded_activations"]:
+        lost = f"{facts['unrecorded_activations']:,} activations found no room"
+        rows.append(("recording", f"it has a gap: {lost}"))
+    if not facts["success"]:
+        rows += picture_row(facts)
+        rows.append(("next", "the same command flies the same flight again"))
+        return rows
+    file = Path(str(facts["log"]))
+    log = shlex.quote(shown_path(file))
+    if file.stat().st_size:  # a graph without a logger leaves it empty
+        rows.append(("next", f"./stator plot {log} draws it"))
+    if facts["recording"] is not None:
+        rows.append(("next", f"./stator replay {log} repeats it bit for bit"))
+    return rows
+
+
+def picture_row(facts: dict[str, object]) -> list[tuple[str, str]]:
+    """Draws the flight; nothing if its log holds no path."""
+    from stator.flight.plot import draw
+
+    log = Path(str(facts["log"]))
+    picture = log.with_suffix(".png")
+    try:
+        draw(log, picture)
+    except UserError:
+        return []
+    return [("picture", f"{shown_path(picture)} shows where")]

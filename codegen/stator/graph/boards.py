@@ -1,0 +1,164 @@
+"""Reads a board: its executor, chip and devices, and the driver that each device is bound to."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from stator.graph.interfaces import find_device_class
+from stator.graph.model import Board, Chip, Device, Interface, Memory, Upload
+from stator.language import keys as language
+from stator.language.shapes import Leaf, Record, items, quoted
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from stator.diagnostics import Mark, Report
+    from stator.graph.sources import Sources
+
+_PIN = re.compile(language.PIN)
+
+
+def read_board(sources: Sources, name: str, path: Path) -> Board | None:
+    record = sources.read(path, language.BOARD)
+    if record is None or record.value("executor") is None:
+        return None
+    chip = record.get("chip")
+    if record.value("executor") == "cortex_m" and "chip" not in record.keys:
+        sources.report.error(
+            record.get("executor").mark,
+            "chip-missing",
+            "a board with the executor cortex_m has a chip",
+            "add `chip:`, for example stm32f4/stm32f427",
+        )
+    found = None if chip is None else _chip(sources, chip.value, chip.mark, path)
+    if found is not None:
+        found = replace(found, memory=found.memory | _memories(record))
+    upload = record.get("upload")
+    reserved: list[Leaf] = record.value("reserved_vectors", [])
+    interrupts: list[Leaf] = record.value("interrupts", [])
+    if found is not None:
+        for leaf in (*reserved, *interrupts):
+            _check_vector(found, leaf, sources.report)
+    return Board(
+        name=name,
+        file=path,
+        executor=record.value("executor"),
+        chip=found,
+        reserved_vectors=tuple(leaf.value for leaf in (*reserved, *interrupts)),
+        interrupts=tuple(leaf.value for leaf in interrupts),
+        devices={
+            key: device
+            for key, value in items(record, "devices")
+            if (device := _device(sources, key, value, found)) is not None
+        },
+        upload=None
+        if upload is None
+        else Upload(upload.value("board_id"), upload.value("pyocd_target")),
+    )
+
+
+def _memories(record: Record) -> dict[str, Memory]:
+    return {
+        key: Memory(int(memory.value("at") or "0", 16), memory.value("bytes") or 0)
+        for key, memory in items(record, "memory")
+    }
+
+
+def _device(sources: Sources, name: str, record: Record, chip: Chip | None) -> Device | None:
+    driver, stated = record.get("driver"), record.get("class")
+    if driver is None:
+        return None
+    if driver.value == "none" and stated is None:
+        sources.report.error(
+            record.owner,
+            "missing-key",
+            f"device '{name}' has no driver, so it needs the key 'class'",
+            "for example `class: imu`",
+        )
+        return None
+    of_driver = driver.value.split("/")[0]
+    if driver.value != "none" and driver.value not in sources.drivers():
+        sources.report.error(
+            driver.mark,
+            "driver-unknown",
+            f"there is no driver '{driver.value}'",
+            sources.report.nearest(driver.value, sources.drivers()),
+        )
+        return None
+    if driver.value != "none" and stated is not None and stated.value != of_driver:
+        sources.report.error(
+            stated.mark,
+            "class-mismatch",
+            f"driver '{driver.value}' is of the class '{of_driver}', not '{stated.value}'",
+            "remove the key `class`",
+        )
+        return None
+    chosen: Leaf = driver if stated is None else stated
+    device_class = of_driver if stated is None else stated.value
+    interface = find_device_class(sources, device_class, chosen.mark)
+    if interface is not None:
+        _check_lines(record, interface, chip, sources.report)
+    lines = {key: tuple(w.value for w in wires.value) for key, wires in items(record, "lines")}
+    return Device(name, driver.value, device_class, lines, interface, record.value("bytes_per_s"))
+
+
+def _check_lines(record: Record, interface: Interface, chip: Chip | None, report: Report) -> None:
+    for line, wires in items(record, "lines"):
+        if line not in interface.lines:
+            report.error(
+                record.get("lines").keys[line],
+                "line-unknown",
+                f"device class '{interface.name}' has no line '{line}'",
+                report.nearest(line, interface.lines) or "it has no lines",
+            )
+            continue
+        for wire in wires.value:
+            if chip is not None and not _PIN.fullmatch(wire.value):
+                _check_vector(chip, wire, report)
+
+
+def _check_vector(chip: Chip, leaf: Leaf, report: Report) -> None:
+    if leaf.value not in chip.vectors:
+        report.error(
+            leaf.mark,
+            "vector-unknown",
+            f"{quoted(leaf.value)} is neither a pin nor a vector of {chip.name}",
+            report.nearest(leaf.value.lower(), chip.vectors),
+        )
+
+
+def _chip(sources: Sources, name: str, mark: Mark, board: Path) -> Chip | None:
+    path = sources.chips(board).get(name)
+    if path is None:
+        sources.report.error(
+            mark,
+            "file-missing",
+            f"there is no chip file 'boards/{name}.yaml'",
+            sources.report.nearest(name, sources.chips(board)) or "write it, beside the board",
+        )
+        return None
+    record = sources.read(path, language.CHIP)
+    if record is None:
+        return None
+    return Chip(
+        name=name,
+        clock_hz=int((record.value("clock") or "0").split()[0]) * 1_000_000,
+        memory=_memories(record),
+        vectors={key: leaf.value for key, leaf in items(record, "vectors")},
+    )
+
+
+def find_board(sources: Sources, name: str, mark: Mark, note: str = "") -> Board | None:
+    path = sources.boards().get(name)
+    if path is None:
+        sources.report.error(
+            mark,
+            "board-unknown",
+            f"there is no board '{name}'{note}",
+            sources.report.nearest(name, sources.boards()),
+        )
+        return None
+    found: Board | None = sources.once("board", name, lambda: read_board(sources, name, path))
+    return found

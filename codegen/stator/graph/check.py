@@ -1,0 +1,120 @@
+"""Checks a graph and freezes it into the model: each step reports all it finds."""
+
+from __future__ import annotations
+
+import os
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stator import HOME
+from stator.collector import without_collector
+from stator.diagnostics import Mark, Report
+from stator.graph.boards import find_board
+from stator.graph.checks.names import check_generated_names
+from stator.graph.checks.nodes import read_nodes
+from stator.graph.checks.parts import read_chains, read_modes
+from stator.graph.checks.topics import connect
+from stator.graph.model import Board, Graph
+from stator.graph.sources import Sources
+from stator.language import keys as language
+from stator.language.compose import Composer, check_variables
+from stator.language.shapes import GRAPH_NAME, check_name
+
+if TYPE_CHECKING:
+    from stator.language.shapes import Record
+
+
+@without_collector
+def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
+    """Reads and checks a graph. Returns it, bound to its own board, and the board to build for.
+
+    Raises `Failed` with every error.
+    """
+    report = Report()
+    path = Path(os.path.realpath(path))
+    composer = Composer(report, (path.parent, HOME / "graph"))
+    tree = composer.compose(path)
+    if tree is None:
+        report.stop_on_errors()
+    assert tree is not None
+    check_name(path.stem, Mark(path, 1, 1), GRAPH_NAME, report)
+    if not composer.is_complete:
+        report.stop_on_errors()  # what else is wrong might come from what is missing
+    check_variables(tree, report)
+    record = language.GRAPH.read(tree, report)
+    assert record is not None
+    if record.get("nodes") is None:
+        report.stop_on_errors()
+    if not record.get("nodes").keys:
+        report.error(
+            record.keys["nodes"],
+            "out-of-range",
+            "a graph has at least one node",
+            "for example `counter: {trigger: {every: 10 ms}}`",
+        )
+
+    sources = Sources(path.parent, report)
+    own, board = _boards(record, board_name, sources)
+    nodes = read_nodes(record, own, board, sources, _budgets(path, board, record, sources))
+    topics = connect(record, nodes, report)
+    modes = read_modes(record, nodes, report)
+    chains = read_chains(record, nodes, report)
+    if board is not None:
+        check_generated_names(nodes.good, topics, board, report)
+    report.stop_on_errors()
+    assert own is not None
+    assert board is not None
+    graph = Graph(
+        name=path.stem,
+        file=path,
+        doc=record.value("doc", ""),
+        board=own,
+        nodes=nodes.good,
+        topics=topics,
+        modes=modes,
+        chains=chains,
+        files=tuple(dict.fromkeys([*composer.files, *sources.files])),
+    )
+    return graph, board
+
+
+def _boards(
+    record: Record, name: str | None, sources: Sources
+) -> tuple[Board | None, Board | None]:
+    """The graph's own board, and the one to build for."""
+    leaf = record.get("board")
+    own = None if leaf is None else find_board(sources, leaf.value, leaf.mark)
+    if name is None:
+        return own, own
+    mark = record.owner if leaf is None else leaf.mark
+    return own, find_board(sources, name, mark, " (it was given with --board)")
+
+
+def _budgets(path: Path, board: Board | None, record: Record, sources: Sources) -> dict[str, int]:
+    """The measured budgets of this board, if there are any."""
+    if board is None:
+        return {}
+    file = path.parent / "budgets" / f"{board.name}.yaml"
+    table = sources.read(file, language.BUDGETS) if file.is_file() else None
+    if table is None:
+        return {}
+    # Graphs of one folder share the file, so that a node of another graph is no mistake here. One
+    # that is nearly a node without a budget is.
+    without = [name for name in record.get("nodes").keys if name not in table.keys]
+    for name in table.values:
+        close = get_close_matches(name, without, n=1, cutoff=0.8)
+        if name in record.get("nodes").keys or not close or _letters(name) == _letters(close[0]):
+            continue
+        sources.report.error(
+            table.keys[name],
+            "budget-node",
+            f"{path.name} has no node '{name}'",
+            f"did you mean '{close[0]}'?",
+        )
+    return {name: leaf.value for name, leaf in table.values.items()}
+
+
+def _letters(name: str) -> str:
+    """A name without its number: imu0 and imu1 are not one misspelt."""
+    return name.rstrip("0123456789")

@@ -1,0 +1,75 @@
+"""No two things of a graph may get one name in the generated C++."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from stator.diagnostics import Mark, beside
+from stator.names import upper_camel
+
+if TYPE_CHECKING:
+    from stator.diagnostics import Report
+    from stator.graph.model import Board, Interface, Message, Node, Topic
+
+
+def check_generated_names(
+    nodes: dict[str, Node], topics: dict[str, Topic], board: Board, report: Report
+) -> None:
+    types = _Names(report)
+    headers = _Names(report)
+    interfaces: dict[str, tuple[Interface, Mark]] = {}
+    for node in nodes.values():
+        kind = "app" if node.device is None else "device class"
+        interfaces.setdefault(f"the {kind} '{node.interface.name}'", (node.interface, node.mark))
+        if node.device is None:
+            types.add(node.interface.class_name, f"the app '{node.interface.name}'", node.mark)
+        elif board.devices[node.device].driver != "none":
+            driver = board.devices[node.device].driver
+            types.add(upper_camel(driver.replace("/", "_")), f"the driver '{driver}'", node.mark)
+    for kind, (interface, mark) in interfaces.items():
+        types.add(f"{interface.class_name}Ports", f"the ports of {kind}", mark)
+        for message in _messages(interface):
+            what = f"the message {message.name}"
+            if message is interface.params_message:
+                what = f"the parameters of {kind}"
+            if types.add(message.name, what, mark):
+                headers.add(message.header, what, mark)
+    for topic in topics.values():
+        stem = topic.name.removesuffix("_storage")
+        if stem != topic.name and stem in topics:
+            outputs = nodes[topic.publishers[0]].outputs.values()
+            mark = next(output.mark for output in outputs if output.topic == topic.name)
+            report.error(
+                mark,
+                "name-clash",
+                f"topic '{topic.name}' would be called as the storage of '{stem}'",
+                "give it another name",
+            )
+
+
+def _messages(interface: Interface) -> list[Message]:
+    ports = [*interface.inputs.values(), *interface.outputs.values()]
+    own = [] if interface.params_message is None else [interface.params_message]
+    return [*(port.message for port in ports), *own]
+
+
+class _Names:
+    """What has each name so far."""
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+        self._taken: dict[str, tuple[str, Mark]] = {}
+
+    def add(self, name: str, what: str, mark: Mark) -> bool:
+        """False if something else has the name."""
+        other, first = self._taken.setdefault(name, (what, mark))
+        if other == what:
+            return True
+        where = "" if first == mark else f"; the other comes from {beside(mark, first)}"
+        self._report.error(
+            mark,
+            "name-clash",
+            f"{what} and {other} would both be called {name}",
+            f"rename one of them{where}",
+        )
+        return False

@@ -1,0 +1,304 @@
+"""Reads the nodes of a graph against the interfaces of their apps and device classes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+from stator.diagnostics import Mark, Report, beside
+from stator.graph.checks.triggers import TriggerReader
+from stator.graph.interfaces import find_app
+from stator.graph.model import Board, Interface, Node, NodeInput, NodeOutput, Value
+from stator.graph.value import read_value
+from stator.language.shapes import Record, items
+
+if TYPE_CHECKING:
+    from stator.graph.model import Port
+    from stator.graph.sources import Sources
+    from stator.language.yaml_tree import Scalar
+
+
+@dataclass
+class Nodes:
+    """The nodes without errors that would spoil what follows; and what to keep silent about, so
+    that one mistake gives one error."""
+
+    good: dict[str, Node] = field(default_factory=dict)
+    declared: frozenset[str] = frozenset()
+    damaged: set[str] = field(default_factory=set)  # nodes with an error in app, inputs or outputs
+    # Topics that damaged nodes would publish; None if not even those are known.
+    doubtful_topics: set[str] | None = field(default_factory=set)
+
+    def may_publish(self, topic: str) -> bool:
+        """Whether a damaged node may be the publisher."""
+        return self.doubtful_topics is None or topic in self.doubtful_topics
+
+
+def read_nodes(
+    record: Record,
+    own: Board | None,
+    board: Board | None,
+    sources: Sources,
+    budgets: dict[str, int],
+) -> Nodes:
+    table = record.get("nodes")
+    nodes = Nodes(declared=frozenset(table.keys))
+    owners: dict[str, Mark] = {}
+    if len(table.values) < len(table.keys):
+        nodes.doubtful_topics = None
+    for name, value in table.values.items():
+        reader = _NodeReader(name, table.keys[name], value, sources)
+        node = reader.read(own, board, owners, budgets)
+        if node is not None:
+            nodes.good[name] = node
+        if reader.is_damaged:
+            nodes.damaged.add(name)
+            _doubt_outputs(value, node, nodes)
+    _check_priorities(nodes.good, table, sources.report)
+    return nodes
+
+
+def _doubt_outputs(record: Record, node: Node | None, nodes: Nodes) -> None:
+    outputs = record.get("outputs")
+    if "outputs" not in record.keys or nodes.doubtful_topics is None:
+        return
+    if outputs is None or len(outputs.values) < len(outputs.keys):
+        nodes.doubtful_topics = None
+        return
+    nodes.doubtful_topics |= {
+        leaf.value
+        for key, leaf in outputs.values.items()
+        if node is None or key not in node.outputs
+    }
+
+
+def _check_priorities(nodes: dict[str, Node], table: Record, report: Report) -> None:
+    """Given for all or for none; the fewer are the ones to change."""
+    given = [node for node in nodes.values() if "priority" in table.values[node.name].keys]
+    missing = [node for node in nodes.values() if "priority" not in table.values[node.name].keys]
+    if not given or not missing:
+        return
+    if len(missing) <= len(given):
+        for node in missing:
+            report.error(
+                node.mark,
+                "priority-some",
+                f"'{node.name}' has no priority, and other nodes have one",
+                "give one to all nodes or to none",
+            )
+    else:
+        for node in given:
+            report.error(
+                table.values[node.name].keys["priority"],
+                "priority-some",
+                f"'{node.name}' has a priority, and most nodes have none",
+                "give one to all nodes or to none",
+            )
+
+
+class _NodeReader:
+    def __init__(self, name: str, mark: Mark, record: Record, sources: Sources) -> None:
+        self._name = name
+        self._mark = mark
+        self._record = record
+        self._sources = sources
+        self._report = sources.report
+        self.is_damaged = False
+
+    def read(
+        self,
+        own: Board | None,
+        board: Board | None,
+        owners: dict[str, Mark],
+        budgets: dict[str, int],
+    ) -> Node | None:
+        interface = self._interface(own, board, owners)
+        if interface is None:
+            self.is_damaged = True
+            return None
+        record = self._record
+        inputs = self._inputs(interface)
+        device = record.get("device")
+        triggers = TriggerReader(self._name, interface, record, self._report)
+        return Node(
+            name=self._name,
+            interface=interface,
+            device=None if device is None else device.value,
+            triggers=triggers.read([b for b in (own, board) if b is not None]),
+            priority=record.value("priority"),
+            deadline_us=record.value("deadline"),
+            budget_us=record.value("budget", budgets.get(self._name)),
+            inputs=inputs,
+            outputs=self._outputs(interface),
+            params=self._params(interface),
+            mark=self._mark,
+        )
+
+    def _interface(
+        self, own: Board | None, board: Board | None, owners: dict[str, Mark]
+    ) -> Interface | None:
+        keys = self._record.keys
+        if "device" in keys and "app" in keys:
+            self._report.error(
+                keys["app"],
+                "device-is-not-app",
+                "a node has `device` or `app`, not both",
+                "remove `app`: the board says which driver the device has",
+            )
+        device, app = self._record.get("device"), self._record.get("app")
+        if "device" in keys:
+            return (
+                None
+                if device is None
+                else self._device(device.value, device.mark, own, board, owners)
+            )
+        if "app" in keys:
+            return None if app is None else find_app(self._sources, app.value, app.mark)
+        return self._app_of_name(own)
+
+    def _app_of_name(self, own: Board | None) -> Interface | None:
+        if own is not None and self._name in own.devices and self._name not in self._sources.apps():
+            self._report.error(
+                self._mark,
+                "app-unknown",
+                f"there is no app '{self._name}'",
+                f"'{self._name}' is a device of the board: write `device: {self._name}`",
+            )
+            return None
+        return find_app(self._sources, self._name, self._mark)
+
+    def _device(
+        self, name: str, mark: Mark, own: Board | None, board: Board | None, owners: dict[str, Mark]
+    ) -> Interface | None:
+        if name in owners:
+            self._report.error(
+                mark,
+                "device-twice",
+                f"device '{name}' has two owners",
+                f"the other one is the node in {beside(mark, owners[name])}",
+            )
+        owners.setdefault(name, self._mark)
+        for candidate in (own, board):
+            if candidate is not None and name not in candidate.devices:
+                self._report.error(
+                    mark,
+                    "device-unknown",
+                    f"board '{candidate.name}' has no device '{name}'",
+                    self._report.nearest(name, candidate.devices),
+                )
+                return None
+        if own is None:
+            return None
+        device = own.devices[name]
+        if board is not None and board.devices[name].device_class != device.device_class:
+            self._report.error(
+                mark,
+                "class-mismatch",
+                f"'{name}' is of the class "
+                f"'{device.device_class}' on {own.name}, and '"
+                f"{board.devices[name].device_class}' on {board.name}",
+                f"bind it to a driver of {device.device_class} in {board.name}",
+            )
+        return device.interface
+
+    # --- ports ---
+
+    def _inputs(self, interface: Interface) -> dict[str, NodeInput]:
+        record = self._record.get("inputs")
+        inputs: dict[str, NodeInput] = {}
+        taken: dict[str, str] = {}
+        for key, value in items(self._record, "inputs"):
+            port = self._port(key, record.keys[key], interface.inputs, "input")
+            topic = value.get("topic")
+            if port is None or topic is None:
+                self.is_damaged = True
+                continue
+            if topic.value in taken:
+                self._report.error(
+                    topic.mark,
+                    "input-twice",
+                    f"topic '{topic.value}' is on input '{taken[topic.value]}' already",
+                    "remove one of the two",
+                )
+            taken[topic.value] = key
+            inputs[key] = NodeInput(
+                port,
+                topic.value,
+                value.value("max_age"),
+                value.value("read") == "queue",
+                topic.mark,
+            )
+        self._check_wired(interface, record)
+        # In the interface's order, whatever the graph's.
+        return {key: inputs[key] for key in interface.inputs if key in inputs}
+
+    def _check_wired(self, interface: Interface, record: Record | None) -> None:
+        if "inputs" in self._record.keys and record is None:
+            self.is_damaged = True
+            return
+        written = {} if record is None else record.keys
+        unknown = [key for key in written if key not in interface.inputs]
+        for key, port in interface.inputs.items():
+            if key in written or port.optional or get_close_matches(key, unknown):
+                continue
+            self._report.error(
+                self._mark,
+                "input-missing",
+                f"input '{key}' of '{self._name}' is not wired",
+                f"add `{key}: TOPIC` to its `inputs`, a topic of {port.message.name}",
+            )
+
+    def _outputs(self, interface: Interface) -> dict[str, NodeOutput]:
+        record = self._record.get("outputs")
+        outputs: dict[str, NodeOutput] = {}
+        taken: dict[str, str] = {}
+        if "outputs" in self._record.keys and (
+            record is None or len(record.values) < len(record.keys)
+        ):
+            self.is_damaged = True
+        for key, leaf in items(self._record, "outputs"):
+            port = self._port(key, record.keys[key], interface.outputs, "output")
+            if port is None:
+                self.is_damaged = True
+                continue
+            if leaf.value in taken:
+                self._report.error(
+                    leaf.mark,
+                    "output-twice",
+                    f"topic '{leaf.value}' is on output '{taken[leaf.value]}' already",
+                    "remove one of the two",
+                )
+                continue
+            taken[leaf.value] = key
+            outputs[key] = NodeOutput(port, leaf.value, leaf.mark)
+        return {key: outputs[key] for key in interface.outputs if key in outputs}
+
+    def _port(self, key: str, mark: Mark, ports: dict[str, Port], what: str) -> Port | None:
+        if key in ports:
+            return ports[key]
+        self._report.error(
+            mark,
+            "port-unknown",
+            f"'{self._name}' has no {what} '{key}'",
+            self._report.nearest(key, ports) or f"it has no {what}s",
+        )
+        return None
+
+    def _params(self, interface: Interface) -> dict[str, Value]:
+        values: dict[str, Value] = {name: p.default for name, p in interface.params.items()}
+        record = self._record.get("params")
+        given: list[tuple[str, Scalar]] = items(self._record, "params")
+        for key, scalar in given:
+            if key not in interface.params:
+                self._report.error(
+                    record.keys[key],
+                    "param-unknown",
+                    f"'{self._name}' has no parameter '{key}'",
+                    self._report.nearest(key, interface.params) or "it has no parameters",
+                )
+                continue
+            value = read_value(interface.params[key], scalar, self._report)
+            if value is not None:
+                values[key] = value
+        return values

@@ -1,0 +1,211 @@
+"""Reads what activates a node."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from stator.diagnostics import beside
+from stator.graph.model import Trigger
+from stator.language.keys import MOST_TIMERS, TRIGGER
+from stator.language.period import spelled_us
+
+if TYPE_CHECKING:
+    from stator.diagnostics import Report
+    from stator.graph.model import Board, Interface
+    from stator.language.shapes import Leaf, Record
+
+KINDS = ("irq", "topic", "every")
+# Keys that go with one kind of trigger only.
+_OWNERS = {"min_interarrival": "irq", "min_interval": "topic", "offset": "every"}
+
+
+class TriggerReader:
+    def __init__(self, node: str, interface: Interface, record: Record, report: Report) -> None:
+        self._node = node
+        self._interface = interface
+        self._record = record
+        self._report = report
+
+    def read(self, boards: list[Board]) -> tuple[Trigger, ...]:
+        leaf = self._record.get("trigger")
+        triggers: dict[tuple[str, str, int, int], Trigger] = {}
+        for record in leaf.value if leaf is not None else ():
+            trigger = self._trigger(record)
+            if trigger is None:
+                continue
+            key = (trigger.kind, trigger.name, trigger.period_us, trigger.offset_us)
+            if key in triggers:
+                self._report.error(
+                    record.mark,
+                    "trigger-twice",
+                    "the same trigger twice",
+                    f"the other one is in {beside(record.mark, triggers[key].mark)}; "
+                    "remove one of them",
+                )
+                continue
+            triggers[key] = trigger
+            if trigger.kind == "irq":
+                self._check_line(trigger, boards)
+            elif trigger.kind == "topic":
+                self._check_topic(trigger)
+        self._check_timer(leaf)
+        timers = sum(trigger.kind == "every" for trigger in triggers.values())
+        if timers > MOST_TIMERS:
+            self._report.error(
+                leaf.mark,
+                "out-of-range",
+                f"{timers} periods in one node, and {MOST_TIMERS} are the most",
+                "share them out among several nodes",
+            )
+        return tuple(triggers.values())
+
+    def _check_timer(self, leaf: Leaf | None) -> None:
+        if leaf is None or not self._interface.needs_timer:
+            return
+        if any("every" in record.keys for record in leaf.value):
+            return
+        self._report.error(
+            leaf.mark,
+            "timer-missing",
+            f"'{self._node}' has no timer, and '{self._interface.name}' needs one",
+            "add one to its triggers, for example {every: 10 ms}",
+        )
+
+    def _trigger(self, record: Record) -> Trigger | None:
+        kinds = [kind for kind in KINDS if kind in record.keys]
+        if len(kinds) != 1:
+            if all(key in TRIGGER.keys for key in record.keys):  # else that is the error
+                self._refuse_kinds(record, kinds)
+            return None
+        kind = kinds[0]
+        if record.get(kind) is None:
+            return None
+        for key, owner in _OWNERS.items():
+            if key in record.keys and owner != kind:
+                fitting = [other for other, its in _OWNERS.items() if its == kind]
+                self._report.error(
+                    record.keys[key],
+                    "trigger-key",
+                    f"'{key}' goes with `{owner}`, not with `{kind}`",
+                    f"remove it, or write '{fitting[0]}'",
+                )
+        trigger = Trigger(
+            kind=kind,
+            name="" if kind == "every" else record.value(kind),
+            mark=record.get(kind).mark,
+            min_interarrival_us=record.value("min_interarrival"),
+            min_interval_us=record.value("min_interval"),
+            period_us=record.value("every", 0),
+            offset_us=record.value("offset", 0),
+            max_interval_us=record.value("max_interval"),
+        )
+        self._check_times(trigger, record)
+        return trigger
+
+    def _refuse_kinds(self, record: Record, kinds: list[str]) -> None:
+        if not kinds:
+            self._report.error(
+                record.mark,
+                "trigger-kind",
+                "a trigger is one of irq, topic, every; this one is none",
+                "for example {every: 10 ms}",
+            )
+            return
+        split = ", ".join("{" + kind + ": ...}" for kind in kinds)
+        self._report.error(
+            record.keys[kinds[1]],
+            "trigger-kind",
+            f"a trigger is one of irq, topic, every; this one is {' and '.join(kinds)}",
+            f"write a list of triggers, any of which activates: [{split}]",
+        )
+
+    def _check_times(self, trigger: Trigger, record: Record) -> None:
+        if trigger.kind == "every" and trigger.offset_us >= trigger.period_us:
+            self._report.error(
+                record.get("offset").mark,
+                "offset-range",
+                f"an offset of {spelled_us(trigger.offset_us)} does not lie within the "
+                f"period of {spelled_us(trigger.period_us)}",
+                f"write {spelled_us(trigger.offset_us % trigger.period_us)}",
+            )
+        most = trigger.max_interval_us
+        least = trigger.period_us or trigger.min_interval_us or trigger.min_interarrival_us or 0
+        if most is not None and most < least:
+            self._report.error(
+                record.get("max_interval").mark,
+                "interval-range",
+                f"{spelled_us(most)} is shorter than the {spelled_us(least)} that lie "
+                "between two activations",
+                f"write {spelled_us(least)} or more",
+            )
+
+    def _check_topic(self, trigger: Trigger) -> None:
+        inputs = self._record.get("inputs")
+        if inputs is None and "inputs" in self._record.keys:
+            return
+        written = (
+            {}
+            if inputs is None
+            else {value.value("topic"): key for key, value in inputs.values.items()}
+        )
+        name = written.get(trigger.name)
+        if name is not None:
+            self._check_read(trigger, name, inputs.values[name])
+        elif inputs is None or (None not in written and len(inputs.values) == len(inputs.keys)):
+            topics = [topic for topic in written if topic is not None]
+            self._report.error(
+                trigger.mark,
+                "trigger-not-input",
+                f"topic '{trigger.name}' is none of the inputs of '{self._node}'",
+                self._report.nearest(trigger.name, topics) or "wire it to an input",
+            )
+
+    def _check_read(self, trigger: Trigger, name: str, source: Record) -> None:
+        read = source.get("read")
+        if read is None or (trigger.is_thinned and read.value == "latest"):
+            return
+        if trigger.is_thinned:
+            self._report.error(
+                read.mark,
+                "thinned-queue",
+                f"'{trigger.name}' has `min_interval`, and a thinned input is latest",
+                "remove `read: queue` or `min_interval`",
+            )
+            return
+        self._report.error(
+            read.mark,
+            "trigger-read",
+            f"input '{name}' triggers the node, so every sample is read in order",
+            "remove `read`"
+            + (", or add `min_interval` to the trigger" if read.value == "latest" else ""),
+        )
+
+    def _check_line(self, trigger: Trigger, boards: list[Board]) -> None:
+        if "device" not in self._record.keys:
+            self._report.error(
+                trigger.mark,
+                "irq-needs-device",
+                f"'{self._node}' owns no device, so it has no lines",
+                "add `device:`; only a node with one does input and output",
+            )
+            return
+        lines = self._interface.lines
+        if trigger.name not in lines:
+            self._report.error(
+                trigger.mark,
+                "line-unknown",
+                f"device class '{self._interface.name}' has no line '{trigger.name}'",
+                self._report.nearest(trigger.name, lines) or "it has no lines",
+            )
+            return
+        device = self._record.value("device")
+        for board in boards:
+            if board.chip is None or trigger.name in board.devices[device].lines:
+                continue
+            self._report.error(
+                trigger.mark,
+                "line-not-on-board",
+                f"board '{board.name}' does not wire line '{trigger.name}' of '{device}'",
+                f"add `lines: {{{trigger.name}: PIN}}` to '{device}' in its board.yaml",
+            )
+            return

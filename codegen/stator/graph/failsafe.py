@@ -1,0 +1,186 @@
+"""Reads the failsafe table of an app, mode x event -> mode, and proves that it is total, that no
+sequence of events leads round in a circle, and that no set of events leaves a mode without what it
+needs. The search is exhaustive: every mode, every set of events."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING
+
+from stator.graph.model import Failsafe
+from stator.language.nested import Key, Listing, Struct, Table
+from stator.language.shapes import NAME_PATTERN, Record, Text, items, quoted
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from stator.diagnostics import Report
+    from stator.graph.model import Message
+    from stator.graph.sources import Sources
+
+GO_ON = "go_on"
+# The message whose enumerations name modes and events, and those fields.
+STATUS, MODES, EVENTS = "VehicleStatus", "nav_state", "failsafe_event"
+
+_WORD = Text(NAME_PATTERN, "a name of lower case letters, digits and underscores")
+_WORDS = Listing(_WORD)
+SHAPE = Struct(
+    {
+        "events": Key(
+            Table(
+                Struct({"without": Key(_WORDS, "What it takes away.")}), "an event", NAME_PATTERN
+            ),
+            "The events, most urgent first.",
+            required=True,
+        ),
+        "needs": Key(Table(_WORDS, "a mode", NAME_PATTERN), "What each mode needs.", required=True),
+        "table": Key(
+            Table(Table(_WORD, "an event", NAME_PATTERN), "a mode", NAME_PATTERN),
+            "Mode: {event: mode}; go_on: no other mode.",
+            required=True,
+        ),
+    }
+)
+
+
+def read_failsafe(sources: Sources, path: Path, status: Message) -> Failsafe | None:
+    """The table, or None after saying what is wrong with it."""
+    report = sources.report
+    count = len(report)
+    record = sources.read(path, SHAPE)
+    if record is None or len(report) > count:
+        return None
+    modes, events = _values(status, MODES), _values(status, EVENTS)[1:]
+    _check_events(record, events, report)
+    _check_keys(record.get("needs"), "needs", modes, "mode", report)
+    _check_keys(record.get("table"), "table", modes, "mode", report)
+    for mode, row in items(record, "table"):
+        _check_keys(row, mode, events, "event", report)
+        for leaf in row.values.values():
+            if leaf.value not in (*modes, GO_ON):
+                hint = report.nearest(leaf.value, [*modes, GO_ON])
+                report.error(leaf.mark, "failsafe-total", f"no mode {quoted(leaf.value)}", hint)
+    if len(report) > count:
+        return None
+    _check_circles(record, modes, report)
+    if len(report) == count:
+        _check_needs(record, modes, events, report)
+    rows = tuple(tuple(_next(record, m, e) for e in events) for m in modes)
+    return None if len(report) > count else Failsafe(path, modes, events, rows)
+
+
+def _values(status: Message, field: str) -> tuple[str, ...]:
+    found = next((f.values for f in status.fields if f.name == field), ())
+    return tuple(name for name, _ in found)
+
+
+def _check_events(record: Record, events: tuple[str, ...], report: Report) -> None:
+    table = record.get("events")
+    _check_keys(table, "events", events, "event", report)
+    if set(table.keys) == set(events) and tuple(table.keys) != events:
+        report.error(
+            record.keys["events"],
+            "failsafe-total",
+            f"the events are not in the order of {STATUS}'s {EVENTS}, which is that of urgency",
+            "write them as " + ", ".join(events),
+        )
+
+
+def _check_keys(
+    table: Record, name: str, known: tuple[str, ...], what: str, report: Report
+) -> None:
+    field = MODES if what == "mode" else EVENTS
+    for key, mark in table.keys.items():
+        if key not in known:
+            hint = report.nearest(key, known)
+            report.error(mark, "failsafe-total", f"{STATUS}'s {field} has no {what} '{key}'", hint)
+    for key in known:
+        if key not in table.keys:
+            report.error(
+                table.owner,
+                "failsafe-total",
+                f"'{name}' says nothing of the {what} '{key}'",
+                "every mode and every event has its place; write go_on where nothing happens"
+                if name not in ("events", "needs")
+                else f"add a line for {key}",
+            )
+
+
+def _next(record: Record, mode: str, event: str) -> str:
+    into: str = record.get("table").values[mode].values[event].value
+    return mode if into == GO_ON else into
+
+
+def _check_circles(record: Record, modes: tuple[str, ...], report: Report) -> None:
+    """No way along the table, whatever happens, comes back to a mode that it has left."""
+    ways: dict[str, dict[str, str]] = {mode: {} for mode in modes}  # to, by which event
+    for mode, row in items(record, "table"):
+        for event in row.values:
+            if _next(record, mode, event) != mode:
+                ways[mode].setdefault(_next(record, mode, event), event)
+    done: set[str] = set()
+    for first in modes:
+        path: list[str] = []
+        _walk(first, path, done, ways, record, report)
+
+
+def _walk(
+    mode: str,
+    path: list[str],
+    done: set[str],
+    ways: dict[str, dict[str, str]],
+    record: Record,
+    report: Report,
+) -> None:
+    if mode in path:
+        event = ways[path[-1]][mode]
+        circle = " -> ".join([*path[path.index(mode) :], mode])
+        report.error(
+            record.get("table").values[path[-1]].values[event].mark,
+            "failsafe-circle",
+            f"the modes could go round for ever: {circle}",
+            "a failsafe leads down, never back; write another mode here, or go_on",
+        )
+        return
+    if mode in done:
+        return
+    path.append(mode)
+    for following in ways[mode]:
+        _walk(following, path, done, ways, record, report)
+    path.pop()
+    done.add(mode)
+
+
+def settle(next_mode: dict[tuple[str, str], str], mode: str, active: list[str]) -> str:
+    """Where a mode ends while these events last, most urgent first."""
+    while True:
+        following = next((next_mode[mode, e] for e in active if next_mode[mode, e] != mode), mode)
+        if following == mode:
+            return mode
+        mode = following
+
+
+def _check_needs(
+    record: Record, modes: tuple[str, ...], events: tuple[str, ...], report: Report
+) -> None:
+    """In no mode where the table comes to rest is that missing which the mode needs."""
+    next_mode = {(m, e): _next(record, m, e) for m in modes for e in events}
+    needs = {m: {leaf.value for leaf in words.value} for m, words in items(record, "needs")}
+    takes: dict[str, set[str]] = {}
+    for event, value in items(record, "events"):
+        words = value.get("without")
+        takes[event] = set() if words is None else {leaf.value for leaf in words.value}
+    for mode, flags in product(modes, product((False, True), repeat=len(events))):
+        active = [event for event, is_on in zip(events, flags, strict=True) if is_on]
+        end = settle(next_mode, mode, active)
+        for event in active:
+            missing = needs[end] & takes[event]
+            if not missing:
+                continue
+            report.error(
+                record.get("table").values[end].values[event].mark,
+                "failsafe-needs",
+                f"{end} needs {', '.join(sorted(missing))}, which {event} takes away, "
+                "and with it the table ends here",
+                "write a mode that can do without",
+            )

@@ -1,0 +1,189 @@
+"""Reads the interface of an app or of a device class: its ports, lines and parameters."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from stator.diagnostics import Mark
+from stator.graph.failsafe import STATUS, read_failsafe
+from stator.graph.messages import find_message, pad
+from stator.graph.model import Failsafe, Field, Interface, Message, Param, Port
+from stator.graph.value import read_value
+from stator.language import keys as language
+from stator.language.shapes import Record, items
+from stator.names import upper_camel
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from stator.diagnostics import Report
+    from stator.graph.sources import Sources
+
+
+# What a key gives a node besides its inputs and outputs.
+GIVEN_PORTS = {"reads_log": "log", "publishes_params": "parameters"}
+
+
+def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> Interface | None:
+    report = sources.report
+    record = sources.read(path, language.INTERFACE)
+    if record is None:
+        return None
+    if is_app and "lines" in record.keys:
+        report.error(
+            record.keys["lines"],
+            "irq-needs-device",
+            "only a device class has lines",
+            "remove the key; a driver in drivers/ does input and output",
+        )
+    if record.value("publishes_params", False):
+        _check_params_publisher(record, report, is_app=is_app)
+    count = len(report)
+    inputs, outputs = _ports(sources, record, "inputs"), _ports(sources, record, "outputs")
+    _check_names(record, outputs, report)
+    params = {
+        key: param
+        for key, value in items(record, "params")
+        if (param := _param(key, value, report)) is not None
+    }
+    failsafe = _failsafe(sources, record, path)
+    if len(report) > count or any(
+        key in record.keys and record.get(key) is None
+        for key in ("lines", "inputs", "outputs", "params")
+    ):
+        return None  # what it has is not known, and it has been said why
+    return Interface(
+        name=name,
+        file=path,
+        doc=record.value("doc", ""),
+        lines={key: value.value("doc", "") for key, value in items(record, "lines")},
+        inputs=inputs,
+        outputs=outputs,
+        params=params,
+        reads_log=record.value("reads_log", False),
+        publishes_params=record.value("publishes_params", False),
+        needs_timer=record.value("needs_timer", False),
+        failsafe=failsafe,
+        params_message=params_message(name, params, Mark(path, 1, 1)),
+    )
+
+
+def _check_params_publisher(record: Record, report: Report, *, is_app: bool) -> None:
+    """A replay runs it again, which it does with neither drivers nor the logger."""
+    if not is_app or record.value("reads_log", False):
+        report.error(
+            record.keys["publishes_params"],
+            "params-publisher",
+            "only an app can publish parameters, and not the logger",
+            "give the key to an app of its own",
+        )
+
+
+def _failsafe(sources: Sources, record: Record, path: Path) -> Failsafe | None:
+    leaf = record.get("failsafe")
+    status = None if leaf is None else find_message(sources, STATUS, leaf.mark)
+    if leaf is None or status is None:
+        return None
+    return read_failsafe(sources, path.parent / leaf.value, status)
+
+
+def _ports(sources: Sources, record: Record, key: str) -> dict[str, Port]:
+    ports = {}
+    for name, value in items(record, key):
+        leaf = value.get("message")
+        message = None if leaf is None else find_message(sources, leaf.value, leaf.mark)
+        if message is not None:
+            ports[name] = Port(
+                name=name,
+                message=message,
+                optional=value.value("optional", False),
+                burst=value.value("burst", 1),
+                doc=value.value("doc", ""),
+            )
+    return ports
+
+
+def _check_names(record: Record, outputs: dict[str, Port], report: Report) -> None:
+    """Inputs and outputs become members of one struct."""
+    inputs = record.get("inputs")
+    for name in outputs:
+        if inputs is not None and name in inputs.keys:
+            report.error(
+                record.get("outputs").keys[name],
+                "name-clash",
+                f"'{name}' is an input, too",
+                "give input and output different names",
+            )
+    for key, port in GIVEN_PORTS.items():
+        for table in (inputs, record.get("outputs")):
+            if table is not None and record.value(key, False) and port in table.keys:
+                report.error(
+                    table.keys[port],
+                    "name-clash",
+                    f"`{key}` gives the node a port '{port}'",
+                    "give this one another name",
+                )
+
+
+def _param(name: str, record: Record, report: Report) -> Param | None:
+    type_name, default = record.value("type"), record.get("default")
+    if type_name is None or default is None:
+        return None
+    unit, doc = record.value("unit", "1"), record.value("doc", "")
+    bounds: list[Fraction | None] = [None, None]
+    param = Param(name, type_name, unit, None, None, 0, doc, record.value("fixed", False))
+    written = record.get("range")
+    if written is not None:
+        values = [read_value(param, item, report, in_file=True) for item in written.value]
+        bounds = [None if value is None else Fraction(value) for value in values]
+    least, most = bounds if len(bounds) == 2 else (None, None)
+    if least is not None and most is not None and least > most:
+        report.error(
+            written.mark, "out-of-range", "the range ends before it begins", "write the least first"
+        )
+        return None
+    param = replace(param, least=least, most=most)
+    value = read_value(param, default, report, in_file=True)
+    return None if value is None else replace(param, default=value)
+
+
+def params_message(app: str, params: dict[str, Param], mark: Mark) -> Message | None:
+    """Parameters travel as a message of their own."""
+    if not params:
+        return None
+    fields = [Field(p.name, p.type, None, p.unit, "", (), p.doc) for p in params.values()]
+    return Message(upper_camel(app) + "Params", f"Parameters of {app}.", pad(fields), mark)
+
+
+def find_app(sources: Sources, name: str, mark: Mark) -> Interface | None:
+    path = sources.apps().get(name)
+    if path is None:
+        sources.report.error(
+            mark,
+            "app-unknown",
+            f"there is no app '{name}'",
+            sources.report.nearest(name, sources.apps()) or f"make apps/{name}/{name}.yaml",
+        )
+        return None
+    found: Interface | None = sources.once(
+        "app", name, lambda: read_interface(sources, name, path, is_app=True)
+    )
+    return found
+
+
+def find_device_class(sources: Sources, name: str, mark: Mark) -> Interface | None:
+    path = sources.classes().get(name)
+    if path is None:
+        sources.report.error(
+            mark,
+            "class-unknown",
+            f"there is no device class '{name}'",
+            sources.report.nearest(name, sources.classes()) or f"make drivers/{name}/{name}.yaml",
+        )
+        return None
+    found: Interface | None = sources.once(
+        "class", name, lambda: read_interface(sources, name, path, is_app=False)
+    )
+    return found

@@ -1,0 +1,37 @@
+"""The compiler on one screen: load -> check -> plan -> emit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stator.diagnostics import UserError
+from stator.emit.emit import EXECUTORS, emit, emit_replay
+from stator.graph.check import check
+from stator.plan.plan import Plan, plan
+
+
+def make_plan(graph: str, board: str | None) -> Plan:
+    """Loads, checks and plans the graph file. Raises `Failed`."""
+    return plan(*check(Path(graph), board))
+
+
+def make_buildable_plan(graph: str, board: str | None) -> Plan:
+    """The plan for a board whose executor there is. Raises `Failed` or `UserError`."""
+    made = make_plan(graph, board)
+    if made.board.executor not in EXECUTORS:
+        raise UserError(
+            f"error: board '{made.board.name}' runs on the executor {made.board.executor}, which "
+            "this version cannot build\nhint: add --board sitl"
+        )
+    return made
+
+
+def make_files(graph: str, board: str | None, *, record: bool) -> dict[str, str]:
+    """The generated C++: path below the output folder -> text. Raises `Failed` or `UserError`.
+    `record`: each flight is recorded for replay."""
+    return emit(make_buildable_plan(graph, board), record=record)
+
+
+def make_replay_files(graph: str, board: str | None) -> dict[str, str]:
+    """The C++ of the program that replays recordings of the graph. Raises `Failed`."""
+    return emit_replay(make_plan(graph, board))

@@ -1,0 +1,90 @@
+"""Mean rates of nodes and topics, as far as the triggers tell them."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from stator.graph.model import Graph, Node
+
+
+class Rates:
+    """Mean periods, as far as triggers tell them. None: unknown."""
+
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+        self._periods: dict[str, Fraction | None] = {}
+        self._of_topics: dict[str, Fraction | None] = {}
+        for name in _publishers_first(graph):
+            self._periods[name] = self._of_node(graph.nodes[name])
+
+    def node(self, name: str) -> Fraction | None:
+        """Mean time between activations of a node."""
+        return self._periods.get(name)
+
+    def topic(self, name: str) -> Fraction | None:
+        """Mean time between publications, one for each activation of a publisher."""
+        if name not in self._of_topics:
+            sums = [
+                _sum_of_rates([self._periods.get(node) for node in together])
+                for together in self._at_one_time(self.graph.topics[name].publishers)
+            ]
+            known = [period for period in sums if period is not None]
+            self._of_topics[name] = min(known) if known and len(known) == len(sums) else None
+        return self._of_topics[name]
+
+    def _at_one_time(self, nodes: tuple[str, ...]) -> list[list[str]]:
+        """Those of the nodes that run together, for each mode in which any does."""
+        if len(nodes) == 1 or self.graph.modes is None:
+            return [list(nodes)]
+        sets = list(self.graph.modes.sets.values())
+        always = [name for name in nodes if not any(name in names for names in sets)]
+        together = [[*always, *(name for name in nodes if name in names)] for names in sets]
+        return [names for names in together if names] or [list(nodes)]
+
+    def _of_node(self, node: Node) -> Fraction | None:
+        periods: list[Fraction | None] = []
+        for trigger in node.triggers:
+            if trigger.kind == "every":
+                periods.append(Fraction(trigger.period_us))
+            elif trigger.kind == "irq":
+                least = trigger.min_interarrival_us
+                periods.append(None if least is None else Fraction(least))
+            else:
+                period = self.topic(trigger.name)
+                if trigger.min_interval_us is not None:
+                    least = trigger.min_interval_us
+                    period = Fraction(least) if period is None else max(period, Fraction(least))
+                periods.append(period)
+        return _sum_of_rates(periods)
+
+
+def _sum_of_rates(periods: list[Fraction | None]) -> Fraction | None:
+    known = [period for period in periods if period is not None]
+    if not known or len(known) < len(periods):
+        return None
+    return 1 / sum((1 / period for period in known), Fraction(0))
+
+
+def _publishers_first(graph: Graph) -> list[str]:
+    """Nodes such that whoever triggers a node by a topic stands before it (there is no cycle)."""
+    unknown = {name: len(topic.publishers) for name, topic in graph.topics.items()}
+    waits: dict[str, int] = {}
+    woken: dict[str, list[str]] = {name: [] for name in graph.topics}
+    for node in graph.nodes.values():
+        sources = [t.name for t in node.triggers if t.kind == "topic"]
+        waits[node.name] = len(sources)
+        for topic in sources:
+            woken[topic].append(node.name)
+    ready = [name for name, count in waits.items() if not count]
+    for name in ready:
+        for output in graph.nodes[name].outputs.values():
+            unknown[output.topic] -= 1
+            if unknown[output.topic]:
+                continue
+            for reader in woken[output.topic]:
+                waits[reader] -= 1
+                if not waits[reader]:
+                    ready.append(reader)
+    return ready

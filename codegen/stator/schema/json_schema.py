@@ -1,0 +1,73 @@
+"""The language as JSON Schema, for editors: the same description that the checker uses.
+
+A schema sees one file. So it is strict with a whole graph (one that says its `board` and includes
+nothing); a part, or a graph that builds on parts, may leave out any key, hold ${variables}, and
+remove with null.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from stator.graph import failsafe
+from stator.language import keys as language
+from stator.mission import yaml as mission_yaml
+
+if TYPE_CHECKING:
+    from stator.language.shapes import Shape
+
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_SUBSCHEMAS = ("properties", "patternProperties")
+
+# What a file of Stator can be.
+KINDS: dict[str, Shape] = {
+    "graph": language.GRAPH,
+    "message": language.MESSAGE,
+    "interface": language.INTERFACE,
+    "board": language.BOARD,
+    "chip": language.CHIP,
+    "budgets": language.BUDGETS,
+    "failsafe": failsafe.SHAPE,
+    "mission": mission_yaml.MISSION,
+}
+
+
+def graph_schema() -> dict[str, Any]:
+    strict = language.GRAPH.schema()
+    return {
+        "$schema": _DIALECT,
+        "title": "Stator graph",
+        "if": {"required": ["board"], "not": {"required": ["include"]}},
+        "then": strict,
+        "else": _part(strict),
+        "$defs": {
+            "from_elsewhere": {
+                "description": "A variable of the including file, or null to remove the key.",
+                "anyOf": [{"type": "null"}, {"type": "string", "pattern": r"^\$\{[^}]*\}$"}],
+            }
+        },
+    }
+
+
+def schema(kind: str) -> dict[str, Any]:
+    """The schema of one kind of file, of KINDS."""
+    if kind == "graph":
+        return graph_schema()
+    return {"$schema": _DIALECT, "title": f"Stator {kind}", **KINDS[kind].schema()}
+
+
+def _part(strict: dict[str, Any]) -> dict[str, Any]:
+    """The same, of a file that others complete."""
+    loose = {key: value for key, value in strict.items() if key != "required"}
+    for key in _SUBSCHEMAS:
+        if key in loose:
+            loose[key] = {name: _elsewhere(item) for name, item in loose[key].items()}
+    if "items" in loose:
+        loose["items"] = _elsewhere(loose["items"])
+    if "anyOf" in loose:
+        loose["anyOf"] = [_part(item) for item in loose["anyOf"]]
+    return loose
+
+
+def _elsewhere(item: dict[str, Any]) -> dict[str, Any]:
+    return {"anyOf": [_part(item), {"$ref": "#/$defs/from_elsewhere"}]}
