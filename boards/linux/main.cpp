@@ -25,7 +25,7 @@ namespace {
 
 using namespace stator;
 
-constexpr int kRestart = 3;  // as codegen/stator/flight/restarts.py has it
+constexpr int kRestart = 3;  // codegen/stator/flight/restarts.py reads it here
 
 board::RealWorld* the_world = nullptr;
 

@@ -1,5 +1,5 @@
 // What a run that failed leaves behind for the next one, in memory that a reset does not clear.
-// codegen/stator/live/fault_record.py reads the same layout: little-endian, no padding.
+// codegen/stator/live/fault_record.py reads the layout here: little-endian, no padding.
 #pragma once
 
 #include <array>
