@@ -1,6 +1,6 @@
 """What a run of firmware that failed has left for the next one, in words.
 
-The layout is the one of runtime/cortex_m/stator/record.hpp.
+The layout is the one of runtime/cortex_m/stator/fault_record.hpp.
 """
 
 from __future__ import annotations
