@@ -49,7 +49,7 @@ uint8_t Allocator::find(uint8_t preferred) {
 }
 
 void Allocator::remember(uint32_t node, std::span<const uint8_t> unique_id) {
-    if (node == 0 || node > dronecan::kMostNodeId || unique_id.size() != kUniqueIdBytes) return;
+    if (node == 0 || node > dronecan::kMaxNodeId || unique_id.size() != kUniqueIdBytes) return;
     std::copy(unique_id.begin(), unique_id.end(), owners_[node].begin());
     taken_.add(static_cast<uint8_t>(node));
 }

@@ -38,7 +38,7 @@ class Allocator {
     uint8_t find(uint8_t preferred);
 
     // Which part has an id; none has 0 bytes only.
-    std::array<UniqueId, dronecan::kMostNodeId + 1> owners_{};
+    std::array<UniqueId, dronecan::kMaxNodeId + 1> owners_{};
     dronecan::NodeSet taken_;
     UniqueId collected_{};
     uint64_t collected_us_ = 0;

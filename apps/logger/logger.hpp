@@ -63,7 +63,7 @@ class Logger {
     // Of the recording: definitions written; activations known to be lost, by level; CRC-32 of the
     // log since the last check, up to byte `checked_` of the block.
     uint32_t recorded_ = 0;
-    std::array<uint32_t, kMostStreams> gaps_{};
+    std::array<uint32_t, kMaxStreams> gaps_{};
     uint32_t crc_ = 0;
     size_t checked_ = 0;
     std::byte block_[kBlockBytes]{};

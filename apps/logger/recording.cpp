@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "logger.hpp"
+#include "stator/crc32.hpp"
 
 namespace stator {
 

@@ -20,6 +20,7 @@
 #include "options.hpp"
 #include "real_world.hpp"
 #include "run_options.hpp"
+#include "stator/recording.hpp"
 
 namespace {
 

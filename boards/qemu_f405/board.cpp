@@ -11,6 +11,7 @@
 #include "semihosting.hpp"
 #include "serial.hpp"
 #include "stator/cortex_m.hpp"
+#include "stator/recording.hpp"
 #include "timers.hpp"
 
 namespace stator::board {

@@ -17,6 +17,7 @@
 #include "flight_facts.hpp"
 #include "mission_file.hpp"
 #include "options.hpp"
+#include "stator/recording.hpp"
 
 namespace {
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from stator.plan.plan import Plan, Task
 
-HEADER = "runtime/cortex_m/stator/record.hpp"
-MOST_RESETS = constant(HEADER, "kMostResets")  # then the next start is one in safe mode
+HEADER = "runtime/cortex_m/stator/fault_record.hpp"
+MOST_RESETS = constant(HEADER, "kMaxResets")  # then the next start is one in safe mode
 LAYOUT = layout(HEADER, "FaultRecord")
 PRINTED = re.compile(r"^stator: record ([0-9a-f]+)$", re.MULTILINE)
 

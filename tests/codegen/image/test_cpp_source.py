@@ -8,7 +8,7 @@ from stator.build.cpp_source import constant, layout
 from stator.flight.log import DISARMED, FAILSAFE_EVENTS, NAV_STATES
 from stator.live.fault_record import decode
 
-RECORD = "runtime/cortex_m/stator/record.hpp"
+RECORD = "runtime/cortex_m/stator/fault_record.hpp"
 
 
 def test_the_fields_of_a_fault_record_lie_where_the_header_puts_them() -> None:

@@ -15,8 +15,8 @@ namespace stator {
 
 enum class Request : uint8_t { kInfo = 1, kTasks = 2, kSample = 3, kFault = 4 };
 inline constexpr uint8_t kLinkVersion = 1;
-inline constexpr unsigned kMostTasksTold = 20;      // in an answer
-inline constexpr uint16_t kMostSampleBytes = 1000;  // told of a sample
+inline constexpr unsigned kMaxTasksTold = 20;      // in an answer
+inline constexpr uint16_t kMaxSampleBytes = 1000;  // told of a sample
 
 // Puts values one behind the other, little-endian, without padding.
 class Writer {
@@ -95,7 +95,7 @@ void put_tasks(Writer& out, const Program& graph, uint64_t now_us, unsigned firs
     };
     out.put(now_us);
     out.put(static_cast<uint16_t>(first));
-    for (unsigned i = first; i < std::min(first + kMostTasksTold, graph.task_count); ++i) {
+    for (unsigned i = first; i < std::min(first + kMaxTasksTold, graph.task_count); ++i) {
         const TaskCounters& counters = *graph.tasks[i].counters;
         figure(counters.activations);
         figure(counters.lost_samples);

@@ -19,11 +19,11 @@ struct TickSource {
 };
 
 // Serves one request after the other. `answer` gets a request and writes the answer's body, of at
-// most `kMostAnswer` bytes; 0: there is none. Context: one, less urgent than all tasks.
+// most `kMaxAnswer` bytes; 0: there is none. Context: one, less urgent than all tasks.
 class Link {
   public:
-    static constexpr size_t kMostRequest = 16;
-    static constexpr size_t kMostAnswer = 1040;
+    static constexpr size_t kMaxRequest = 16;
+    static constexpr size_t kMaxAnswer = 1040;
     using Answer = size_t (*)(const uint8_t* request, size_t count, uint8_t* body);
 
     explicit constexpr Link(Answer answer) : answer_(answer) {}
@@ -52,9 +52,9 @@ class Link {
     }
 
     Answer answer_;
-    FrameReader<kMostRequest> reader_{};
-    std::array<uint8_t, kMostAnswer + kCrcBytes> body_{};
-    std::array<uint8_t, frame_bytes(kMostAnswer)> frame_{};
+    FrameReader<kMaxRequest> reader_{};
+    std::array<uint8_t, kMaxAnswer + kCrcBytes> body_{};
+    std::array<uint8_t, frame_bytes(kMaxAnswer)> frame_{};
     size_t size_ = 0;  // of the frame, and how much of it is sent
     size_t sent_ = 0;
 };

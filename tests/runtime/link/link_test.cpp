@@ -145,8 +145,8 @@ struct ManyTasks {
 TEST(Answers, bring_every_task_in_as_many_answers_as_it_takes) {
     const ManyTasks program;
     unsigned told = 0;
-    for (unsigned first = 0; first < ManyTasks::kCount; first += kMostTasksTold) {
-        Bytes body(Link::kMostAnswer);
+    for (unsigned first = 0; first < ManyTasks::kCount; first += kMaxTasksTold) {
+        Bytes body(Link::kMaxAnswer);
         Writer out(body.data());
         put_tasks(out, program, 77, first);
         ASSERT_LE(out.count(), body.size());
@@ -163,7 +163,7 @@ TEST(Answers, bring_every_task_in_as_many_answers_as_it_takes) {
 TEST(Answers, say_nothing_of_tasks_that_there_are_not) {
     const ManyTasks program;
     for (const unsigned first : {ManyTasks::kCount, 65'535U}) {
-        Bytes body(Link::kMostAnswer);
+        Bytes body(Link::kMaxAnswer);
         Writer out(body.data());
         put_tasks(out, program, 77, first);
         EXPECT_EQ(out.count(), 10U);

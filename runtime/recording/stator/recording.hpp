@@ -1,5 +1,5 @@
-// Records what every task read and published, so that a flight can be replayed: docs/recording.md
-// has the format. Only in builds with STATOR_RECORDING; in others nothing of it is left.
+// Keeps what every task read and published, so that a flight can be replayed: docs/recording.md has
+// the format. Only builds with STATOR_RECORDING have streams.
 //
 // Jobs of one level run one after the other, so each level writes a stream of its own, and the
 // logger takes the bytes into the log. Nothing locks, masks or waits. A stream without room loses
@@ -14,7 +14,6 @@
 #include <span>
 
 #include "stator/canonical.hpp"
-#include "stator/crc32.hpp"
 
 namespace stator {
 
@@ -36,7 +35,7 @@ class RecordStream {
     }
     // Seven bits a byte, the lowest first; the top bit says that more follow.
     [[gnu::noinline]] void number(uint64_t value) {
-        if (has_room(kMostNumberBytes)) put_number(value);
+        if (has_room(kMaxNumberBytes)) put_number(value);
     }
     void data(const void* from, uint32_t count) {
         if (!has_room(count)) return;
@@ -91,14 +90,14 @@ class RecordStream {
     uint32_t preemptions() const { return preemptions_; }
 
   private:
-    static constexpr uint32_t kMostNumberBytes = 10;
-    static constexpr uint32_t kMostTaskBytes = 5;  // of the number that begins a record
+    static constexpr uint32_t kMaxNumberBytes = 10;
+    static constexpr uint32_t kMaxTaskBytes = 5;  // of the number that begins a record
 
     // Asks for a little more than may be needed, and keeps room for the next record's beginning.
     // A record that it refuses is lost whole, and so are all after it.
     bool has_room(uint32_t count) {
         const uint32_t used = position_ - taken_.load(std::memory_order_acquire);
-        is_full_ = is_full_ || size_ - used < count + kMostTaskBytes;
+        is_full_ = is_full_ || size_ - used < count + kMaxTaskBytes;
         return !is_full_;
     }
     void put_number(uint64_t value) {
@@ -140,7 +139,7 @@ struct RecordedOutput {
 };
 
 // One for each level, and one for what is published before anything runs.
-inline constexpr unsigned kMostStreams = 16;
+inline constexpr unsigned kMaxStreams = 16;
 
 // The generated recording of a graph as the logger sees it.
 struct RecordingTable {
@@ -156,8 +155,6 @@ struct RecordingCounts {
 };
 
 #ifdef STATOR_RECORDING
-inline constexpr bool kRecords = true;
-
 extern const RecordingTable recording_table;  // generated
 
 inline RecordingCounts recording_counts() {
@@ -169,82 +166,11 @@ inline RecordingCounts recording_counts() {
     return counts;
 }
 
-// What `Tap::publishes` does.
-[[gnu::noinline]] inline void record_sample(RecordStream& stream, const RecordedOutput& output,
-                                            void* message, uint32_t bytes) {
-    stream.number(output.tag);
-    if (output.how == RecordedOutput::How::kStamp) return;
-    canonicalise(static_cast<std::byte*>(message), output.floats, output.float_count);
-    if (output.how == RecordedOutput::How::kWhole) return stream.data(message, bytes);
-    const uint32_t crc = crc32(0, message, bytes);
-    stream.data(&crc, sizeof crc);
-}
-
-// A port's connection to the stream of its activation. Its functions hand on numbers and are
-// inlined: so the optimiser can still take the ports of an activation apart.
-class Tap {
-  public:
-    // `number`: of the newest sample that this port has recorded; for the tap to bring up to date.
-    void connect(RecordStream& stream, uint8_t tag, uint32_t& number) {
-        stream_ = &stream;
-        tag_ = tag;
-        number_ = &number;
-    }
-    void connect(RecordStream& stream, const RecordedOutput& output, uint32_t& number) {
-        connect(stream, output.tag, number);
-        output_ = &output;
-    }
-
-    // An input: a sample was taken, whether or not the node comes to see it.
-    [[gnu::always_inline]] void takes(uint32_t number) {
-        if (stream_ == nullptr) return;
-        stream_->number(tag_);
-        published(number);
-    }
-    // The same of an input that takes one sample before `step`; recorded behind it, so that it
-    // does not wait.
-    [[gnu::always_inline]] void notes(uint32_t number) {
-        noted_ = number;
-        has_noted_ = true;
-    }
-    [[gnu::always_inline]] void record_noted() {
-        if (has_noted_) takes(noted_);
-    }
-    // An output: while the sample is complete and nobody else touches it ...
-    [[gnu::always_inline]] void publishes(void* message, uint32_t bytes) {
-        if (stream_ != nullptr) record_sample(*stream_, *output_, message, bytes);
-    }
-    // ... and then its number.
-    [[gnu::always_inline]] void published(uint32_t number) {
-        if (stream_ == nullptr) return;
-        stream_->number(number - *number_);
-        *number_ = number;
-    }
-
-  private:
-    RecordStream* stream_ = nullptr;
-    const RecordedOutput* output_ = nullptr;
-    uint32_t* number_ = nullptr;
-    uint32_t noted_ = 0;
-    uint8_t tag_ = 0;
-    bool has_noted_ = false;
-};
-
 #else
-inline constexpr bool kRecords = false;
 
 inline RecordingCounts recording_counts() {
     return {};
 }
-
-class Tap {
-  public:
-    void connect(RecordStream&, const RecordedOutput&, uint32_t&) {}
-    void takes(uint32_t) {}
-    void notes(uint32_t) {}
-    void publishes(void*, uint32_t) {}
-    void published(uint32_t) {}
-};
 
 #endif
 

@@ -1,5 +1,5 @@
 // The record of a run that failed: what all records hold, its seal, and how the next run takes it.
-#include "stator/record.hpp"
+#include "stator/fault_record.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -31,9 +31,9 @@ void copy_build_id(FaultRecord& record) {
 
 // A run that outlived the window starts a new count.
 void count_reset(FaultRecord& record) {
-    const uint64_t window_us = last_record.window_us + record.uptime_us;
-    const bool is_row = last_record.resets != 0 && window_us <= kResetWindow_us;
-    record.resets = is_row ? last_record.resets + 1 : 1;
+    const uint64_t window_us = last_fault_record.window_us + record.uptime_us;
+    const bool is_row = last_fault_record.resets != 0 && window_us <= kResetWindow_us;
+    record.resets = is_row ? last_fault_record.resets + 1 : 1;
     record.window_us = is_row ? window_us : 0;
 }
 
@@ -47,7 +47,7 @@ uint32_t first_silent_task() {
 
 }  // namespace
 
-FaultRecord last_record;
+FaultRecord last_fault_record;
 ActivationRing activation_ring;
 
 void add_run(FaultRecord& record) {
@@ -66,11 +66,11 @@ void seal(KeptRecord& kept) {
     barrier();
 }
 
-void take_record() {
+void take_fault_record() {
     const bool is_whole =
         stator_kept_record.magic == kMagic &&
         stator_kept_record.crc == crc32_bitwise(&stator_kept_record.record, sizeof(FaultRecord));
-    last_record = is_whole ? stator_kept_record.record : FaultRecord{};
+    last_fault_record = is_whole ? stator_kept_record.record : FaultRecord{};
     stator_kept_record.magic = 0;
 }
 

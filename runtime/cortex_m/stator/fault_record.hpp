@@ -38,16 +38,16 @@ struct FaultRecord {
 static_assert(sizeof(FaultRecord) == 360);
 
 // So many resets within this time end in safe mode.
-inline constexpr uint32_t kMostResets = 3;
+inline constexpr uint32_t kMaxResets = 3;
 inline constexpr uint64_t kResetWindow_us = 10'000'000;
 
 // The record of the run before; cause kNone if it left none.
-extern FaultRecord last_record;
+extern FaultRecord last_fault_record;
 inline bool is_safe_mode() {
-    return last_record.resets >= kMostResets;
+    return last_fault_record.resets >= kMaxResets;
 }
 
-// Reads what the run before left into `last_record`, once. Context: before the graph starts.
-void take_record();
+// Reads what the run before left into `last_fault_record`, once. Context: before the graph starts.
+void take_fault_record();
 
 }  // namespace stator

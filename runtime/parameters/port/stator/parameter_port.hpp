@@ -6,7 +6,7 @@
 #include <span>
 
 #include "stator/parameters.hpp"
-#include "stator/recording.hpp"
+#include "stator/tap.hpp"
 #include "stator/topic.hpp"
 
 namespace stator {
@@ -47,8 +47,7 @@ class ParameterPort {
         release(topic, pin);
         write_parameter(row, message, value);
         std::memcpy(message, &now_us_, sizeof now_us_);  // `timestamp` is every message's first
-        Tap tap;
-        if (stream_ != nullptr) tap.connect(*stream_, recorded_[row.topic], numbers_[row.topic]);
+        Tap tap = taps_.at(row.topic);
         tap.publishes(message, topic.sample_bytes);
         tap.published(commit(topic, loaned));
     }
@@ -58,11 +57,10 @@ class ParameterPort {
         table_ = &table;
         now_us_ = now_us;
     }
-    // `recorded` and `numbers`: one for each topic, as in `Tap::connect`.
-    void record(RecordStream& stream, const RecordedOutput* recorded, uint32_t* numbers) {
-        stream_ = &stream;
-        recorded_ = recorded;
-        numbers_ = numbers;
+    // Where the build records: connects the taps.
+    template <class... Parts>
+    void record(Parts&&... parts) {
+        taps_.connect(parts...);
     }
 
   private:
@@ -72,9 +70,7 @@ class ParameterPort {
 
     const ParameterTable* table_ = nullptr;
     uint64_t now_us_ = 0;
-    RecordStream* stream_ = nullptr;
-    const RecordedOutput* recorded_ = nullptr;
-    uint32_t* numbers_ = nullptr;
+    [[no_unique_address]] Taps taps_;
 };
 
 }  // namespace stator

@@ -12,8 +12,8 @@ namespace stator {
 // backwards. longest_s is at most an hour: more than 2^32 us count as so many.
 inline float seconds_since_last(uint64_t& last_us, uint64_t now_us, float shortest_s,
                                 float longest_s) {
-    constexpr uint64_t kMost_us = std::numeric_limits<uint32_t>::max();
-    const uint64_t elapsed_us = now_us > last_us ? std::min(now_us - last_us, kMost_us) : 0;
+    constexpr uint64_t kMax_us = std::numeric_limits<uint32_t>::max();
+    const uint64_t elapsed_us = now_us > last_us ? std::min(now_us - last_us, kMax_us) : 0;
     last_us = now_us;
     // 32 bits convert with one instruction, 64 with a call.
     const float seconds = static_cast<float>(static_cast<uint32_t>(elapsed_us)) * 1e-6F;

@@ -44,8 +44,8 @@ inline size_t write_frame(uint8_t* body, size_t count, uint8_t* frame) {
     return end;
 }
 
-// Finds the frames in a stream of bytes. What is damaged, cut or longer than `kMost` is left out.
-template <size_t kMost>
+// Finds the frames in a stream of bytes. What is damaged, cut or longer than `kMax` is left out.
+template <size_t kMax>
 class FrameReader {
   public:
     // True if the byte ends a whole frame, whose body then stands until the next call.
@@ -89,7 +89,7 @@ class FrameReader {
         return crc == crc32_bitwise(body_.data(), size_ - kCrcBytes);
     }
 
-    std::array<uint8_t, kMost + kCrcBytes> body_{};
+    std::array<uint8_t, kMax + kCrcBytes> body_{};
     size_t size_ = 0;
     size_t count_ = 0;
     uint8_t left_ = 0;  // of the present run

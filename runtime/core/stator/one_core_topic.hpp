@@ -1,4 +1,5 @@
-// A topic: slots that one level or more publishes into and readers of other levels read in place.
+// A topic of one core: slots that one level or more publishes into and readers of other levels
+// read in place. The executors of one core have it as their "stator/topic.hpp".
 //
 // Jobs run to completion on one stack and nest like brackets, so one word says which slots are
 // free: a reader saves the word and clears the bit of the slot it takes, and restores the word when

@@ -22,22 +22,22 @@ class LogEvents {
     // Context: the executor's monitor.
     void add(const LogEvent& event) {
         const uint32_t count = count_.load();
-        events_[count % kMost] = event;
+        events_[count % kMax] = event;
         count_.store(count + 1);
     }
     // Moves `cursor` on to the next event; false if there is none.
     bool next(uint32_t& cursor, LogEvent& event) const {
         const uint32_t count = count_.load();
         if (cursor == count) return false;
-        if (count - cursor >= kMost) cursor = count - kMost + 1;
-        event = events_[cursor % kMost];
+        if (count - cursor >= kMax) cursor = count - kMax + 1;
+        event = events_[cursor % kMax];
         cursor += 1;
         return true;
     }
 
   private:
-    static constexpr uint32_t kMost = 16;
-    std::array<LogEvent, kMost> events_{};
+    static constexpr uint32_t kMax = 16;
+    std::array<LogEvent, kMax> events_{};
     Shared<uint32_t> count_;
 };
 extern LogEvents event_log;  // of the executor
