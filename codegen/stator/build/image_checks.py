@@ -127,9 +127,9 @@ def _callers(
         shown = ", ".join(callees[:CALLEES_SHOWN])
         if len(callees) > CALLEES_SHOWN:
             shown += f" and {len(callees) - CALLEES_SHOWN} more"
-        place = f"{shown_path(Path(file))}:{line}: " if line else ""
+        where = f"{shown_path(Path(file))}:{line}: " if line else ""
         whose = f" of node '{name}'" if name in nodes else f" {name}" if name else ""
-        fault = f"{place}error: {function}{whose} calls {shown}: {why}"
+        fault = f"{where}error: {function}{whose} calls {shown}: {why}"
         faults.append(fault + (_double_hint(nodes.get(name)) if is_double else ""))
     return faults
 
