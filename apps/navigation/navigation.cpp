@@ -113,10 +113,11 @@ void Navigation::watch_rest(const Vector& rate_B, const Vector& force_B, float d
 }
 
 void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params) {
-    const double north_east_height = fix.latitude_deg + fix.longitude_deg + fix.altitude_msl_m;
+    const bool is_known = math::is_finite(fix.latitude_deg) && math::is_finite(fix.longitude_deg) &&
+                          math::is_finite(fix.altitude_msl_m);
     const Vector velocity_N(fix.vel_n_m_s, fix.vel_e_m_s, fix.vel_d_m_s);
     const bool is_3d = fix.fix_type >= SensorGps::FixType::kFix3d;
-    if (!is_3d || !math::is_finite(north_east_height) || !(fix.eph <= kWorstPosition)) return;
+    if (!is_3d || !is_known || !(fix.eph <= kWorstPosition)) return;
     if (!has_origin_) {
         frame_ = math::LocalFrame({fix.latitude_deg, fix.longitude_deg});
         origin_us_ = fix.timestamp_sample;

@@ -232,6 +232,11 @@ INTERFACE = Struct(
             Boolean(), "The node changes and publishes the parameters of all nodes."
         ),
         "needs_timer": Key(Boolean(), "One of the node's triggers must be `every`."),
+        "double_precision": Key(
+            Text(r"\S[\s\S]*", "a reason", hint="write what float is not precise enough for"),
+            "Why it computes in double precision, which a chip without instructions for it does in "
+            "software. Without it, such code is refused for these chips.",
+        ),
     }
 )
 
