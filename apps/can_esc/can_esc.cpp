@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "stator/dronecan/field.hpp"
 #include "stator/dronecan/port.hpp"
 #include "stator/scalar.hpp"
 
@@ -22,10 +23,6 @@ constexpr float kFull = 8191.0F;             // of a command
 constexpr float kZeroCelsius = 273.15F;
 // 100 reports a second of 3 frames each: twice what the fastest controllers send.
 constexpr std::array kWanted{dronecan::want<Status>(300)};
-
-bool within(float value, float least, float most) {
-    return value >= least && value <= most;  // and a number
-}
 
 // Stopped is 0; whatever turns gets at least the least command.
 int16_t raw_command(float control) {
@@ -52,13 +49,15 @@ bool CanEsc::is_online(const Esc& esc, uint64_t now_us) const {
     return esc.node != 0 && now_us <= esc.heard_us + offline_timeout_us_;
 }
 
-// Limits of anything that flies; and a controller speaks for itself only.
+// Limits of anything that flies; and a controller speaks for itself only. What it does not measure
+// is NaN, here and in the report.
 bool CanEsc::is_plausible(const Report& report, uint64_t now_us) const {
     if (report.esc_index >= count_) return false;
     const Esc& esc = escs_[report.esc_index];
     if (is_online(esc, now_us) && esc.node != receiver_.header().source) return false;
-    return within(report.voltage, 0.0F, 200.0F) && within(report.current, -1000.0F, 1000.0F) &&
-           within(report.temperature, 0.0F, 1000.0F);
+    return dronecan::is_possible(report.voltage, 0.0F, 200.0F) &&
+           dronecan::is_possible(report.current, -1000.0F, 1000.0F) &&
+           dronecan::is_possible(report.temperature, 0.0F, 1000.0F);
 }
 
 void CanEsc::receive(const CanFrame& received) {
