@@ -13,6 +13,7 @@ import os
 import signal
 import socket
 import subprocess
+import threading
 import time
 from itertools import pairwise
 from pathlib import Path
@@ -248,6 +249,42 @@ def test_a_part_gets_its_id_again_after_a_restart(start: Callable[[], Link]) -> 
         assert allocate(bus, one) == 120
     second = newest(link.stop(), "nonvolatile_status")
     assert (second["state"], second["records"], second["mended"]) == (1, 2, 0)
+
+
+@contextlib.contextmanager
+def intruder(bus: socket.socket, node: int) -> Iterator[None]:
+    """A node that says how it is, under an id that may be another's."""
+    part, is_over = Part(bus, node), threading.Event()
+
+    def run() -> None:
+        while not is_over.wait(0.2):
+            part.send(uavcan.protocol.NodeStatus(uptime_sec=100))
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        thread.join()
+
+
+def test_a_part_whose_id_another_node_uses_gets_another_and_that_is_told(link: Link) -> None:
+    part = bytes(range(16))
+    with raw_socket() as bus:
+        wait_for_us(bus)
+        given = allocate(bus, part)
+        with intruder(bus, given):
+            commands(bus, 50)
+            other = allocate(bus, part)
+        assert other != given
+        assert allocate(bus, part) == other
+        with intruder(bus, OUR_ID):
+            commands(bus, 50)
+    conflicts = link.stop().get_dataset("can_node_conflict").data
+    rows = zip(conflicts["node_id"], conflicts["kind"], conflicts["new_node_id"], strict=True)
+    part_of_id, own_id = 1, 2  # CanNodeConflict
+    assert list(rows) == [(given, part_of_id, other), (OUR_ID, own_id, 0)]
 
 
 GetSet = uavcan.protocol.param.GetSet
