@@ -1,4 +1,5 @@
-// A simulated CAN bus at 1 Mbit/s: one frame at a time, of those that wait the lowest identifier.
+// A simulated CAN bus at 1 Mbit/s: one frame at a time, the lowest identifier of those that wait
+// first.
 #pragma once
 
 #include <array>
