@@ -39,7 +39,7 @@ void CanEsc::configure(const CanEscParams& params) {
     nodes.add_range(params.first_node, params.last_node);
     receiver_.allow(nodes);
     node_id_ = static_cast<uint8_t>(params.node_id);
-    count_ = static_cast<unsigned>(std::clamp<int32_t>(params.esc_count, 1, kMost));
+    count_ = static_cast<unsigned>(std::clamp<int32_t>(params.esc_count, 1, kMaxEscs));
     offline_timeout_us_ = math::saturate<uint32_t>(params.offline_timeout * 1e6F);
     interval_us_ = static_cast<uint64_t>(std::max<int32_t>(params.command_interval, 1));
 }

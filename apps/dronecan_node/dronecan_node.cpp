@@ -22,10 +22,10 @@ constexpr uint64_t kStatusPeriod_us = 1'000'000;
 constexpr uint64_t kLongestLoad_us = 10'000'000;
 // Each node that is on the bus is heard within it.
 constexpr uint64_t kListen_us = uint64_t{1000} * NodeStatus::kMaxBroadcastingPeriodMs;
-constexpr uint64_t kParameterPatience_us = 500'000;  // who asks waits for a second, as a rule
+constexpr uint64_t kParameterPatience_us = 500'000;  // a requester waits for about a second
 constexpr unsigned kFramesPerRelease = 4;
 constexpr uint8_t kStatusPriority = 16;
-constexpr uint8_t kMostUrgentAnswer = 16;  // whoever asks must not hold up the motors' commands
+constexpr uint8_t kMostUrgentAnswer = 16;  // a requester must not hold up the motors' commands
 constexpr uint8_t kAllocationPriority = 30;
 // Of one node. A GetSet request takes up to 33 frames.
 constexpr std::array kWanted{

@@ -14,11 +14,11 @@
 namespace stator {
 
 // Sends at most 4 frames in each activation, by a timer, so that a long answer leaves room on
-// the bus. One answer at a time, and one question about a parameter: what is asked meanwhile goes
-// unanswered, and whoever asked asks again. Without a status the vehicle counts as armed: then
+// the bus. One answer at a time, and one question about a parameter: a request that comes meanwhile
+// has no answer, and its sender repeats it. Without a status the vehicle counts as armed: then
 // nothing can be changed, and no id is given away. Ids that were given away come back from the
-// memory for records, if the graph has one; until it has told all, none is given away. If it does
-// not, the table is in this node alone, and NodeStatus warns. The table is checked against what is
+// memory for records, if the graph has one; until all are loaded, none is given away. If they never
+// are, the table is in this node alone, and NodeStatus warns. The table is checked against what is
 // heard on the bus, and so is our own id: that two nodes use one is published, and NodeStatus warns
 // from then on.
 class DronecanNode {
@@ -33,7 +33,7 @@ class DronecanNode {
     using NodeStatus = dronecan::protocol::NodeStatus;
     using RestartNode = dronecan::protocol::RestartNode;
     static constexpr unsigned kSessions = 48;
-    static constexpr unsigned kMostRequest = GetSet::Request::kType.most_bytes;
+    static constexpr unsigned kMaxRequestBytes = GetSet::Request::kType.most_bytes;
 
     void configure(const DronecanNodeParams& params);
     void receive(DronecanNodePorts& ports);
@@ -56,7 +56,7 @@ class DronecanNode {
     template <class Response>
     void respond(const dronecan::Header& request, uint8_t transfer_id, const Response& response);
 
-    dronecan::Receiver<kSessions, kMostRequest> receiver_;
+    dronecan::Receiver<kSessions, kMaxRequestBytes> receiver_;
     BusNodes nodes_;
     Allocator allocator_;
     dronecan::NodeSet shared_;  // ids that two nodes use, which has been published

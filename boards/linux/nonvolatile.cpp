@@ -62,7 +62,7 @@ bool open_nonvolatile(const char* path) {
         return refuse(path, "another run has it", "end that one, or name another file");
     }
     if (is_foreign(file, facts)) {
-        return refuse(path, "it is no file of records",
+        return refuse(path, "not a file of records",
                       "name another file, or move this one away, to begin with an empty one");
     }
     if (!make_whole(file, facts)) {

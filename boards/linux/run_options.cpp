@@ -10,9 +10,9 @@ namespace stator::board {
 
 namespace {
 
-bool refuse(std::string_view name, std::string_view value, const char* wanted) {
-    std::fprintf(stderr, "error: %.*s '%.*s': wanted is %s\n", static_cast<int>(name.size()),
-                 name.data(), static_cast<int>(value.size()), value.data(), wanted);
+bool refuse(std::string_view name, std::string_view value, const char* expected) {
+    std::fprintf(stderr, "error: %.*s '%.*s': expected %s\n", static_cast<int>(name.size()),
+                 name.data(), static_cast<int>(value.size()), value.data(), expected);
     return false;
 }
 

@@ -20,7 +20,7 @@ bool read_mission(const char* path, Mission& mission) {
     const bool has_more = std::fgetc(file) != EOF;
     std::fclose(file);
     if (has_all && !has_more) return true;
-    std::fprintf(stderr, "error: --mission '%s': it has not the %zu bytes of a mission\n", path,
+    std::fprintf(stderr, "error: --mission '%s': expected the %zu bytes of a mission\n", path,
                  sizeof mission);
     return false;
 }

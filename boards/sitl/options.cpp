@@ -20,8 +20,8 @@ constexpr double kLongest_s = 1e6;  // 11 days
 constexpr double kFastest = 1e4;
 constexpr double kStrongest = 50.0;  // m/s, a wind in which nothing flies
 
-bool refuse(const char* option, const char* value, const char* wanted) {
-    std::fprintf(stderr, "error: %s '%s': wanted is %s\n", option, value, wanted);
+bool refuse(const char* option, const char* value, const char* expected) {
+    std::fprintf(stderr, "error: %s '%s': expected %s\n", option, value, expected);
     return false;
 }
 
@@ -85,8 +85,8 @@ bool add_fault(const char* text, Faults& faults) {
         return refuse("--fail", text, "no more than 16 times");
     }
     std::fprintf(stderr,
-                 "error: --fail '%s': wanted is WHAT@SECONDS or WHAT@SECONDS+SECONDS, and what can "
-                 "fail is %s\n",
+                 "error: --fail '%s': expected WHAT@SECONDS or WHAT@SECONDS+SECONDS, where WHAT is "
+                 "one of %s\n",
                  text, kFaultNames);
     return false;
 }

@@ -49,19 +49,19 @@ TEST(Options, refuses_what_is_no_value) {
         Options options;
         EXPECT_EQ(refusal({"--duration", duration}, options),
                   "error: --duration '" + std::string(duration) +
-                      "': wanted is a number of seconds, above 0 and at most 1000000\n");
+                      "': expected a number of seconds, above 0 and at most 1000000\n");
     }
     for (const char* const seed : {"-1", "1.5", "x", "", "18446744073709551616"}) {
         Options options;
         EXPECT_EQ(refusal({"--seed", seed}, options),
                   "error: --seed '" + std::string(seed) +
-                      "': wanted is a whole number from 0 to 18446744073709551615\n");
+                      "': expected a whole number from 0 to 18446744073709551615\n");
     }
     Options options;
     EXPECT_EQ(refusal({"--times", "one"}, options),
-              "error: --times 'one': wanted is zero or random\n");
+              "error: --times 'one': expected zero or random\n");
     EXPECT_EQ(refusal({"--seed"}, options),
-              "error: --seed '': wanted is a whole number from 0 to 18446744073709551615\n");
+              "error: --seed '': expected a whole number from 0 to 18446744073709551615\n");
 }
 
 TEST(Options, reads_the_weather) {
@@ -75,7 +75,7 @@ TEST(Options, reads_the_weather) {
     EXPECT_NE(refusal({"--wind-from", "361"}, options), "");
     EXPECT_NE(refusal({"--wind-from", "west"}, options), "");
     EXPECT_EQ(refusal({"--gusts", "strong"}, options),
-              "error: --gusts 'strong': wanted is none, light, moderate or severe\n");
+              "error: --gusts 'strong': expected none, light, moderate or severe\n");
 }
 
 TEST(Options, varies_the_vehicle_if_asked) {
@@ -83,7 +83,7 @@ TEST(Options, varies_the_vehicle_if_asked) {
     EXPECT_FALSE(options.conditions.vary);
     EXPECT_EQ(refusal({"--vary", "yes"}, options), "");
     EXPECT_TRUE(options.conditions.vary);
-    EXPECT_EQ(refusal({"--vary", "some"}, options), "error: --vary 'some': wanted is no or yes\n");
+    EXPECT_EQ(refusal({"--vary", "some"}, options), "error: --vary 'some': expected no or yes\n");
 }
 
 TEST(Options, a_fault_has_a_value_and_lasts) {

@@ -84,7 +84,7 @@ def test_what_is_no_such_file_is_left_alone(
     records: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     records.write_text("dear diary")
-    assert "it is no file of records" in refusal(records, capsys)
+    assert "not a file of records" in refusal(records, capsys)
     assert records.read_text() == "dear diary"
     assert "Is a directory" in refusal(records.parent, capsys)
 
