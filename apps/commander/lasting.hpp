@@ -3,7 +3,7 @@
 
 #include "stator/scalar.hpp"
 
-namespace stator {
+namespace stator::apps::commander {
 
 class Lasting {
   public:
@@ -19,4 +19,4 @@ class Lasting {
     float for_s_ = 0.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::commander

@@ -5,7 +5,7 @@
 
 #include "stator/dronecan/crc.hpp"
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 
 namespace {
 
@@ -69,4 +69,4 @@ std::optional<Allocator::Message> Allocator::answer(const Message& request, uint
     return answer;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

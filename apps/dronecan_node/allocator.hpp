@@ -12,7 +12,7 @@
 #include "dronecan/protocol/dynamic_node_id/allocation.hpp"
 #include "stator/dronecan/receiver.hpp"
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 
 class Allocator {
   public:
@@ -48,4 +48,4 @@ class Allocator {
     bool is_full_ = false;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

@@ -5,7 +5,7 @@
 
 #include "logger.hpp"
 
-namespace stator {
+namespace stator::apps::logger {
 
 namespace {
 
@@ -72,4 +72,4 @@ void Logger::check_block() {
     checked_ = used_;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::logger

@@ -6,7 +6,7 @@
 
 #include "motion.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 struct GnssMeasurement {
     uint64_t time_us = 0;
@@ -91,4 +91,4 @@ class Aid {
     bool refusing_ = false;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

@@ -14,7 +14,7 @@
 #include "measurements.hpp"
 #include "stator/geodesy.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 class Navigation {
   public:
@@ -115,4 +115,4 @@ class Navigation {
     EstimatorStatus ratios_{};
 };
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

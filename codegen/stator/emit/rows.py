@@ -116,6 +116,7 @@ def ports(interface: Interface) -> Row:
     params = interface.params_message
     return {
         "class": interface.class_name,
+        "namespace": f"stator::{interface.namespace}",
         "headers": sorted(used | ({params.header} if params else set())),
         "lines": [
             commented(f"bool {name} = false;", one_line(doc), 8)
@@ -327,8 +328,9 @@ def _is_bound(plan: Plan, node: Node) -> bool:
     return node.device is None or plan.board.devices[node.device].driver != "none"
 
 
-def failsafe(table: Failsafe) -> Row:
+def failsafe(interface: Interface, table: Failsafe) -> Row:
     return {
+        "namespace": f"stator::{interface.namespace}",
         "events": [upper_camel(event) for event in table.events],
         "rows": [
             {"mode": upper_camel(mode), "nexts": [upper_camel(following) for following in row]}
@@ -338,12 +340,11 @@ def failsafe(table: Failsafe) -> Row:
 
 
 def build(plan: Plan, files: dict[str, str]) -> Row:
-    folders = _app_folders(plan)
+    nodes = _apps(plan)
     for device in plan.board.devices.values():
         if device.driver != "none" and device.interface is not None:
-            folder = device.interface.file.parent / device.driver.split("/")[1]
-            folders[device.driver.replace("/", "_")] = folder
-    return _build(plan, files, folders) | {
+            nodes[device.driver] = device.interface
+    return _build(plan, files, nodes) | {
         "board": str(plan.board.file.parent),
         "chip": "" if plan.board.chip is None else str(_chip_folder(plan)),
         "executor": plan.board.executor,
@@ -352,32 +353,37 @@ def build(plan: Plan, files: dict[str, str]) -> Row:
 
 def replay_build(plan: Plan, files: dict[str, str]) -> Row:
     """No driver and no logger; the executor brings its own program."""
-    folders = _app_folders(plan)
-    for node in plan.graph.nodes.values():
-        if node.interface.reads_log:
-            folders.pop(node.interface.name, None)
-    return _build(plan, files, folders) | {
+    apps = {name: app for name, app in _apps(plan).items() if not app.reads_log}
+    return _build(plan, files, apps) | {
         "board": str(HOME / "runtime" / "replay"),
         "chip": "",
         "executor": "replay",
     }
 
 
-def _app_folders(plan: Plan) -> dict[str, Path]:
+def _apps(plan: Plan) -> dict[str, Interface]:
     return {
-        node.interface.name: node.interface.file.parent
+        node.interface.name: node.interface
         for node in plan.graph.nodes.values()
         if node.device is None
     }
 
 
-def _build(plan: Plan, files: dict[str, str], folders: dict[str, Path]) -> Row:
+def _build(plan: Plan, files: dict[str, str], nodes: dict[str, Interface]) -> Row:
+    """`nodes`: the folder of each app and driver, below apps/ or drivers/, and its ports."""
     inputs = [*plan.graph.files, plan.board.file]
+    roots = [interface.file.parents[2] for interface in nodes.values()]
     return {
         "sources": [name for name in files if name.endswith(".cpp")],
         "libraries": [
-            {"name": name, "folder": str(folder)} for name, folder in sorted(folders.items())
+            {
+                "name": name.replace("/", "_"),
+                "ports": interface.name,
+                "folder": str(interface.file.parents[1] / name),
+            }
+            for name, interface in sorted(nodes.items())
         ],
+        "roots": list(dict.fromkeys(str(root) for root in roots)),
         "inputs": sorted({str(path) for path in inputs}),
         "home": str(HOME),
     }

@@ -7,7 +7,7 @@
 
 #include "stator/random.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 namespace {
 
 using Dense = Eigen::Matrix<double, kStates, kStates>;
@@ -174,4 +174,4 @@ TEST(Covariance, StaysSymmetricAndPositive) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::navigation

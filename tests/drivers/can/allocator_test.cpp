@@ -5,7 +5,7 @@
 
 #include <utility>
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 namespace {
 
 // The id that a part is given; 0: none.
@@ -81,4 +81,4 @@ TEST(DronecanAllocator, a_piece_that_comes_late_or_out_of_turn_is_no_continuatio
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

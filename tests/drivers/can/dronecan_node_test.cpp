@@ -10,7 +10,7 @@
 #include "frames.hpp"
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 namespace {
 
 // Runs the node every 2 ms, with one frame more each time, and collects what it sends.
@@ -270,4 +270,4 @@ TEST_F(MemoryTest, a_full_table_is_told) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

@@ -4,7 +4,9 @@
 #include "../../../../../apps/navigation/filter.hpp"
 #include "cost_ports.hpp"
 
-namespace stator {
+namespace stator::apps::cost {
+
+using namespace navigation;
 
 class Cost {
   public:
@@ -25,4 +27,4 @@ class Cost {
     uint32_t output_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::cost
