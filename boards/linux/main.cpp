@@ -15,12 +15,12 @@
 #include <cstring>
 
 #include "board.hpp"
-#include "flight_facts.hpp"
 #include "nonvolatile.hpp"
-#include "options.hpp"
 #include "real_world.hpp"
 #include "run_options.hpp"
 #include "stator/recording.hpp"
+#include "world/flight_facts.hpp"
+#include "world/options.hpp"
 
 namespace {
 
@@ -181,7 +181,7 @@ void print(const board::RealWorld& world, double wall_s) {
     board::print_nonvolatile();
     print_levels(wall_s);
     std::printf(", ");
-    board::print_flight_facts(world.world(), wall_s, board::system0.restarts);
+    world::print_flight_facts(world.world(), wall_s, board::system0.restarts);
     std::puts("}");
 }
 
@@ -198,11 +198,11 @@ int refuse_world() {
 }  // namespace
 
 int main(int count, char** arguments) {
-    board::Options options;
+    world::Options options;
     board::RunOptions run;
     std::FILE* truth = nullptr;
     if (!board::take_run_options(count, arguments, run)) return 2;
-    if (!board::parse(count, arguments, options)) return 2;
+    if (!world::parse(count, arguments, options)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
     if (run.nonvolatile != nullptr && !board::open_nonvolatile(run.nonvolatile)) return 2;
     board::RealWorld world(options.conditions, truth);

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "board.hpp"
-#include "fill.hpp"
-#include "truth.hpp"
+#include "world/fill.hpp"
+#include "world/truth.hpp"
 
 namespace stator::board {
 
@@ -16,7 +16,7 @@ CanLink can_link;
 
 }  // namespace
 
-RealWorld::RealWorld(const Conditions& conditions, std::FILE* truth)
+RealWorld::RealWorld(const world::Conditions& conditions, std::FILE* truth)
     : world_(conditions),
       truth_(truth),
       can_parts_([](const dronecan::Frame& frame, std::uint64_t) { can_link.send(frame); }) {}
@@ -26,7 +26,7 @@ bool RealWorld::connect_can_parts(const char* interface) {
 }
 
 // What the vehicle sent since the last event acts from now on.
-void RealWorld::serve_can(const World::Event& event) {
+void RealWorld::serve_can(const world::World::Event& event) {
     const std::uint64_t now_us = world_.plant().time_us();
     for (dronecan::Frame frame; can_link.receive(frame);) {
         const auto control = can_parts_.receive(frame, now_us);
@@ -34,14 +34,14 @@ void RealWorld::serve_can(const World::Event& event) {
     }
     can_parts_.run(world_, event.gnss);
     if (can_parts_.times_out(now_us)) {
-        CanParts::Control stopped;
+        world::CanParts::Control stopped;
         stopped.fill(math::canonical_nan<float>());
         world_.command_motors(now_us, stopped);
     }
 }
 
 bool RealWorld::begin() {
-    truth_is_whole_ = truth_ == nullptr || write_truth_head(truth_);
+    truth_is_whole_ = truth_ == nullptr || world::write_truth_head(truth_);
     const auto run = [](void* object) { static_cast<RealWorld*>(object)->run(); };
     return make_device_thread(thread_, "world", run, this);
 }
@@ -58,11 +58,11 @@ void RealWorld::run() {
         sleep_until_us(event_us);
         if (ends_.load()) return;
         obey(event_us);
-        const World::Event event = world_.move_to_next_event();
+        const world::World::Event event = world_.move_to_next_event();
         hand_over(event, event_us);
         if (can_link.is_open()) serve_can(event);
-        if (truth_ != nullptr && event_us % kTruthPeriod_us == 0) {
-            truth_is_whole_ = write_truth(truth_, world_) && truth_is_whole_;
+        if (truth_ != nullptr && event_us % world::kTruthPeriod_us == 0) {
+            truth_is_whole_ = world::write_truth(truth_, world_) && truth_is_whole_;
         }
         if (world_.is_over() && !was_over) stop();
         was_over = world_.is_over();
@@ -105,7 +105,7 @@ drivers::battery::sim::BatterySim::Device RealWorld::battery() {
     return battery_;
 }
 
-void RealWorld::hand_over(const World::Event& event, std::uint64_t now_us) {
+void RealWorld::hand_over(const world::World::Event& event, std::uint64_t now_us) {
     if (event.imu && can_take(imu0_data_ready)) {
         imu0 = {.timestamp_sample = now_us,
                 .gyro_B = math::to_array(event.imu->gyro_B),
@@ -123,16 +123,16 @@ void RealWorld::hand_over(const World::Event& event, std::uint64_t now_us) {
         mag0_data_ready.raise();
     }
     if (event.gnss && can_take(gnss0_received)) {
-        fill(gnss0, *event.gnss);
+        world::fill(gnss0, *event.gnss);
         gnss0_received.raise();
     }
     if (event.radio && can_take(radio0_received)) {
-        fill(radio0, *event.radio, now_us);
+        world::fill(radio0, *event.radio, now_us);
         radio0_received.raise();
     }
     const Lock lock(&mutex_);
-    if (event.baro) fill(barometer_, *event.baro, now_us);
-    fill(battery_, world_.battery());
+    if (event.baro) world::fill(barometer_, *event.baro, now_us);
+    world::fill(battery_, world_.battery());
 }
 
 }  // namespace stator::board

@@ -11,18 +11,18 @@
 #include "drivers/baro/sim/baro_sim.hpp"
 #include "drivers/battery/sim/battery_sim.hpp"
 #include "can_link.hpp"
-#include "can_parts.hpp"
 #include "drivers/motor/sim/motor_sim.hpp"
 #include "stator/mutex.hpp"
 #include "stator/pthread.hpp"
-#include "world.hpp"
+#include "world/can_parts.hpp"
+#include "world/world.hpp"
 
 namespace stator::board {
 
 class RealWorld {
   public:
     // `truth` takes the true flight; may be null.
-    RealWorld(const Conditions& conditions, std::FILE* truth);
+    RealWorld(const world::Conditions& conditions, std::FILE* truth);
 
     // Before it begins: puts motor controllers and a satellite receiver on a CAN bus. False if that
     // is not possible.
@@ -38,7 +38,7 @@ class RealWorld {
     drivers::battery::sim::BatterySim::Device battery();
 
     // Once it has ended.
-    const World& world() const { return world_; }
+    const world::World& world() const { return world_; }
     bool truth_is_whole() const { return truth_is_whole_; }
     // Samples that were not read, as the driver was still busy with the one before.
     std::uint64_t missed_samples() const { return missed_samples_; }
@@ -46,18 +46,18 @@ class RealWorld {
   private:
     struct Command {
         std::uint64_t time_us;
-        std::array<float, kRotors> control;
+        std::array<float, world::kRotors> control;
     };
 
     static constexpr unsigned kMaxCommands = 16;  // of one millisecond
 
     void run();
     void obey(std::uint64_t until_us);
-    void serve_can(const World::Event& event);
-    void hand_over(const World::Event& event, std::uint64_t now_us);
+    void serve_can(const world::World::Event& event);
+    void hand_over(const world::World::Event& event, std::uint64_t now_us);
     bool can_take(const Line& line);
 
-    World world_;
+    world::World world_;
     std::FILE* truth_;
     bool truth_is_whole_ = false;
     std::uint64_t missed_samples_ = 0;
@@ -66,7 +66,7 @@ class RealWorld {
     Mutex mutex_;
     std::array<Command, kMaxCommands> commands_{};  // under the mutex, and so is the next
     unsigned command_count_ = 0;
-    CanParts can_parts_;
+    world::CanParts can_parts_;
     drivers::baro::sim::BaroSim::Device barometer_{};
     drivers::battery::sim::BatterySim::Device battery_{};
 };

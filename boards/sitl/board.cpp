@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <optional>
 
-#include "can_bus.hpp"
-#include "can_parts.hpp"
-#include "fill.hpp"
-#include "truth.hpp"
+#include "flight.hpp"
+#include "world/can_bus.hpp"
+#include "world/can_parts.hpp"
+#include "world/fill.hpp"
+#include "world/truth.hpp"
 
 namespace stator::board {
 
@@ -35,10 +36,10 @@ drivers::storage::file::StorageFile::Device log_storage;
 
 namespace {
 
-std::optional<World> the_world;
-CanBus can_bus;
-CanParts can_parts([](const dronecan::Frame& frame, std::uint64_t now_us) {
-    can_bus.send(frame, CanBus::Sender::kParts, now_us);
+std::optional<world::World> the_world;
+world::CanBus can_bus;
+world::CanParts can_parts([](const dronecan::Frame& frame, std::uint64_t now_us) {
+    can_bus.send(frame, world::CanBus::Sender::kParts, now_us);
 });
 std::FILE* truth_file = nullptr;
 bool truth_was_written = false;
@@ -51,13 +52,13 @@ void write_motors(const drivers::motor::sim::MotorSim::Control& control) {
 
 void send_on_can(const drivers::can::sim::CanSim::Frame& frame) {
     can_bus.send({.id = frame.id, .length = frame.length, .data = frame.data},
-                 CanBus::Sender::kVehicle, executor.now_us);
+                 world::CanBus::Sender::kVehicle, executor.now_us);
 }
 
 // The end of a frame on the bus: everybody but its sender has it.
 void finish_can_frame() {
-    const CanBus::Sent sent = can_bus.finish();
-    if (sent.sender == CanBus::Sender::kVehicle) {
+    const world::CanBus::Sent sent = can_bus.finish();
+    if (sent.sender == world::CanBus::Sender::kVehicle) {
         const auto control = can_parts.receive(sent.frame, sent.end_us);
         if (control) the_world->command_motors(sent.end_us, *control);
         can1_sent.raise();
@@ -70,17 +71,17 @@ void finish_can_frame() {
     can1_received.raise();
 }
 
-void run_can_parts(const std::optional<GnssFix>& fix) {
+void run_can_parts(const std::optional<world::GnssFix>& fix) {
     can_parts.run(*the_world, fix);
     const std::uint64_t now_us = the_world->plant().time_us();
     if (can_parts.times_out(now_us)) {
-        CanParts::Control stopped;
+        world::CanParts::Control stopped;
         stopped.fill(math::canonical_nan<float>());
         the_world->command_motors(now_us, stopped);
     }
 }
 
-void hand_over(const World::Event& event, std::uint64_t now_us) {
+void hand_over(const world::World::Event& event, std::uint64_t now_us) {
     if (event.imu) {
         imu0 = {.timestamp_sample = now_us,
                 .gyro_B = math::to_array(event.imu->gyro_B),
@@ -97,16 +98,16 @@ void hand_over(const World::Event& event, std::uint64_t now_us) {
         mag0 = {.timestamp_sample = now_us, .field_B_gauss = math::to_array(*event.mag_B)};
         mag0_data_ready.raise();
     }
-    if (event.baro) fill(baro0, *event.baro, now_us);
+    if (event.baro) world::fill(baro0, *event.baro, now_us);
     if (event.gnss) {
-        fill(gnss0, *event.gnss);
+        world::fill(gnss0, *event.gnss);
         gnss0_received.raise();
     }
     if (event.radio) {
-        fill(radio0, *event.radio, now_us);
+        world::fill(radio0, *event.radio, now_us);
         radio0_received.raise();
     }
-    if (event.battery_measured) fill(battery0, the_world->battery());
+    if (event.battery_measured) world::fill(battery0, the_world->battery());
 }
 
 // A mission without items stands for one that was lost.
@@ -117,13 +118,13 @@ void lose_mission() {
 }
 
 void record_truth() {
-    if (truth_file == nullptr || the_world->plant().time_us() % kTruthPeriod_us != 0) return;
-    truth_was_written = write_truth(truth_file, *the_world) && truth_was_written;
+    if (truth_file == nullptr || the_world->plant().time_us() % world::kTruthPeriod_us != 0) return;
+    truth_was_written = world::write_truth(truth_file, *the_world) && truth_was_written;
 }
 
 }  // namespace
 
-void prepare(Conditions conditions, const Mission* mission, std::FILE* truth) {
+void prepare(world::Conditions conditions, const Mission* mission, std::FILE* truth) {
     if (mission != nullptr) {
         mission0 = {.mission = *mission, .version = 1};
         if (math::is_finite(mission->origin_lat)) {
@@ -133,7 +134,7 @@ void prepare(Conditions conditions, const Mission* mission, std::FILE* truth) {
     }
     the_world.emplace(conditions);
     truth_file = truth;
-    truth_was_written = truth == nullptr || write_truth_head(truth);
+    truth_was_written = truth == nullptr || world::write_truth_head(truth);
     motors.write = write_motors;
     can1.send = send_on_can;
     nonvolatile0.read = [](std::uint32_t address, std::span<std::uint8_t> bytes) {
@@ -146,7 +147,7 @@ void prepare(Conditions conditions, const Mission* mission, std::FILE* truth) {
     };
 }
 
-const World& world() {
+const world::World& world() {
     return *the_world;
 }
 bool truth_is_whole() {
@@ -163,7 +164,7 @@ void advance(std::uint64_t now_us) {
             finish_can_frame();
             continue;
         }
-        const World::Event event = the_world->move_to_next_event();
+        const world::World::Event event = the_world->move_to_next_event();
         hand_over(event, the_world->plant().time_us());
         run_can_parts(event.gnss);
         lose_mission();

@@ -1,9 +1,6 @@
 // What the generated graph connects to: the devices of this board and their lines.
 #pragma once
 
-#include <cstdint>
-#include <cstdio>
-
 #include "drivers/baro/sim/baro_sim.hpp"
 #include "drivers/battery/sim/battery_sim.hpp"
 #include "drivers/can/sim/can_sim.hpp"
@@ -18,7 +15,6 @@
 #include "stator/virtual.hpp"
 #include "drivers/storage/file/storage_file.hpp"
 #include "drivers/system/board/system_board.hpp"
-#include "world.hpp"
 
 namespace stator::board {
 
@@ -43,12 +39,5 @@ extern drivers::mission::sim::MissionSim::Device mission0;
 extern drivers::nonvolatile::sim::NonvolatileSim::Device nonvolatile0;  // empty at each start
 extern drivers::system::board::SystemBoard::Device system0;          // a restart ends the flight
 extern drivers::storage::file::StorageFile::Device log_storage;
-
-// Before the graph starts: makes the world. It lies where the mission has its origin, if that has a
-// place on Earth. `mission` and `truth`, which takes the true flight, may be null.
-void prepare(Conditions conditions, const Mission* mission, std::FILE* truth);
-
-const World& world();
-bool truth_is_whole();
 
 }  // namespace stator::board

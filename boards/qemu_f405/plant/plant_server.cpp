@@ -1,4 +1,4 @@
-// The plant of an emulated flight: moves the world of boards/sitl as far as the firmware's clock
+// The plant of an emulated flight: moves the world of boards/world as far as the firmware's clock
 // says, answers with what the sensors saw, and prints facts of the run as JSON.
 //
 // Takes the options of a simulated flight; --log and --times mean nothing here. Works in the
@@ -10,11 +10,11 @@
 #include <cstring>
 #include <thread>
 
-#include "flight_facts.hpp"
 #include "link.hpp"
-#include "options.hpp"
-#include "truth.hpp"
-#include "world.hpp"
+#include "world/flight_facts.hpp"
+#include "world/options.hpp"
+#include "world/truth.hpp"
+#include "world/world.hpp"
 
 namespace {
 
@@ -37,12 +37,12 @@ struct Files {
 
 class Server {
   public:
-    Server(const board::Options& options, const Files& files)
+    Server(const world::Options& options, const Files& files)
         : world_(options.conditions),
           files_(files),
           duration_us_(options.duration_us),
           speed_(options.speed),
-          truth_is_whole_(files.truth == nullptr || board::write_truth_head(files.truth)) {}
+          truth_is_whole_(files.truth == nullptr || world::write_truth_head(files.truth)) {}
 
     // Serves until the firmware has finished. False if it went away before.
     bool run() {
@@ -63,7 +63,7 @@ class Server {
         return false;
     }
 
-    const board::World& world() const { return world_; }
+    const world::World& world() const { return world_; }
     const link::ToPlant& finished() const { return finished_; }
     bool truth_is_whole() const { return truth_is_whole_; }
 
@@ -89,7 +89,7 @@ class Server {
     }
 
     // The newest sample of each sensor goes to the firmware.
-    void add(const board::World::Event& event, link::FromPlant& answer) {
+    void add(const world::World::Event& event, link::FromPlant& answer) {
         answer.now_us = world_.plant().time_us();
         if (event.imu) {
             answer.imu_sampled = 1;
@@ -116,7 +116,7 @@ class Server {
         if (event.battery_measured) add(world_.battery(), answer);
     }
 
-    static void add(const board::GnssFix& fix, link::FromPlant& answer) {
+    static void add(const world::GnssFix& fix, link::FromPlant& answer) {
         answer.gnss_received = 1;
         answer.gnss_time_us = fix.time_us;
         answer.latitude_deg = fix.place.latitude_deg;
@@ -128,15 +128,15 @@ class Server {
         answer.satellites = fix.satellites;
     }
 
-    static void add(const board::World::RadioFrame& frame, link::FromPlant& answer) {
-        const board::PilotFrame& hands = frame.hands;
+    static void add(const world::World::RadioFrame& frame, link::FromPlant& answer) {
+        const world::PilotFrame& hands = frame.hands;
         answer.radio_received = 1;
         answer.sticks = {hands.roll, hands.pitch, hands.yaw, hands.throttle};
         answer.mode_slot = hands.mode_slot;
         answer.switches = {frame.is_heard, hands.arm, hands.return_home, hands.kill};
     }
 
-    static void add(const board::Battery& battery, link::FromPlant& answer) {
+    static void add(const world::Battery& battery, link::FromPlant& answer) {
         answer.battery_measured = 1;
         answer.battery = {static_cast<float>(battery.voltage()),
                           static_cast<float>(battery.current()),
@@ -145,13 +145,13 @@ class Server {
     }
 
     void record_truth() {
-        if (files_.truth == nullptr || world_.plant().time_us() % board::kTruthPeriod_us != 0) {
+        if (files_.truth == nullptr || world_.plant().time_us() % world::kTruthPeriod_us != 0) {
             return;
         }
-        truth_is_whole_ = board::write_truth(files_.truth, world_) && truth_is_whole_;
+        truth_is_whole_ = world::write_truth(files_.truth, world_) && truth_is_whole_;
     }
 
-    board::World world_;
+    world::World world_;
     Files files_;
     uint64_t duration_us_;
     double speed_;
@@ -173,15 +173,15 @@ void print(const Server& server, double wall_s) {
                 wide(server.finished().preemptions),
                 wide(server.finished().unrecorded_activations));
     std::printf("\"missed_life_signs\": %llu, ", wide(server.finished().missed_life_signs));
-    board::print_flight_facts(server.world(), wall_s, server.finished().restarts != 0);
+    world::print_flight_facts(server.world(), wall_s, server.finished().restarts != 0);
     std::puts("}");
 }
 
 }  // namespace
 
 int main(int count, char** arguments) {
-    board::Options options;
-    if (!board::parse(count, arguments, options)) return 2;
+    world::Options options;
+    if (!world::parse(count, arguments, options)) return 2;
     Files files;
     if (!open(options.truth, "wb", files.truth) ||
         !open(link::kToPlant, "rb", files.from_firmware) ||

@@ -7,13 +7,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "backup.hpp"
-#include "clock_tree.hpp"
-#include "flash.hpp"
-#include "gpio.hpp"
-#include "timer.hpp"
-#include "usart.hpp"
-#include "watchdog.hpp"
+#include "stm32f4/backup.hpp"
+#include "stm32f4/clock_tree.hpp"
+#include "stm32f4/flash.hpp"
+#include "stm32f4/gpio.hpp"
+#include "stm32f4/timer.hpp"
+#include "stm32f4/usart.hpp"
+#include "stm32f4/watchdog.hpp"
 
 namespace stator::stm32f4 {
 namespace {
