@@ -22,7 +22,7 @@ constexpr stm32f4::Watchdog kWatchdog;
 // No part is selected while the supplies come up.
 void start_pins() {
     for (const stm32f4::Pin& select : pins::kSelects) select.make_output(true);
-    pins::kAmberLed.make_output(true);
+    pins::kAmberLed.make_open_drain(true);
     pins::kSensorSupply.make_output(true);
     pins::kPeripheralSupplyOff.make_output(false);
 }

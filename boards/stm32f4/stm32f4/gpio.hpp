@@ -23,6 +23,13 @@ class Pin {
         write(is_high);
         configure(kOutput, 0);
     }
+    // Pulls low or lets go: high is whatever voltage the other end has.
+    void make_open_drain(bool is_high) const {
+        switch_on();
+        write(is_high);
+        Register(base_ + 0x04).set(1U << number_);  // GPIOx_OTYPER
+        configure(kOutput, 0);
+    }
     // 8.3.2; which number means which peripheral is in the data sheet.
     void make_alternate(uint32_t function) const {
         switch_on();
@@ -42,6 +49,7 @@ class Pin {
     static constexpr uint32_t kOutput = 1;
     static constexpr uint32_t kAlternate = 2;
     static constexpr uint32_t kPullUp = 1;
+    static constexpr uint32_t kLowSpeed = 0;
     static constexpr uint32_t kMediumSpeed = 1;
 
     static constexpr uint32_t index(char port) { return static_cast<uint32_t>(port - 'A'); }
@@ -51,11 +59,16 @@ class Pin {
         const Register reg(base_ + offset);
         reg.write((reg.read() & ~(3U << 2 * number_)) | value << 2 * number_);
     }
+    // PC13 to PC15 hang on the switch of the backup supply: 2 MHz and 3 mA at most (5.1.2).
+    uint32_t speed() const {
+        const bool is_weak = port_ == index('C') && number_ >= 13;
+        return is_weak ? kLowSpeed : kMediumSpeed;
+    }
     void configure(uint32_t mode, uint32_t pull) const {
         switch_on();
-        set_field(0x0C, pull);          // GPIOx_PUPDR
-        set_field(0x08, kMediumSpeed);  // GPIOx_OSPEEDR
-        set_field(0x00, mode);          // GPIOx_MODER, last: the pin drives from here on
+        set_field(0x0C, pull);     // GPIOx_PUPDR
+        set_field(0x08, speed());  // GPIOx_OSPEEDR
+        set_field(0x00, mode);     // GPIOx_MODER, last: the pin drives from here on
     }
 
     uint32_t base_;
