@@ -14,7 +14,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "board.hpp"
+#include "devices.hpp"
 #include "nonvolatile.hpp"
 #include "real_world.hpp"
 #include "run_options.hpp"
@@ -63,21 +63,11 @@ bool is_alone(int file) {
     return false;
 }
 
-// Devices that do not wait for a line.
 void connect(board::RealWorld& world) {
     the_world = &world;
+    board::system0.restart = stop;
     board::motors.write = [](const drivers::motor::sim::MotorSim::Control& control) {
         the_world->command_motors(control);
-    };
-    board::baro0.refresh = [](drivers::baro::sim::BaroSim::Device& device) {
-        const auto refresh = device.refresh;
-        device = the_world->barometer();
-        device.refresh = refresh;
-    };
-    board::battery0.refresh = [](drivers::battery::sim::BatterySim::Device& device) {
-        const auto refresh = device.refresh;
-        device = the_world->battery();
-        device.refresh = refresh;
     };
 }
 

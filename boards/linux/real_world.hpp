@@ -8,10 +8,9 @@
 #include <atomic>
 #include <cstdio>
 
-#include "drivers/baro/sim/baro_sim.hpp"
-#include "drivers/battery/sim/battery_sim.hpp"
 #include "can_link.hpp"
 #include "drivers/motor/sim/motor_sim.hpp"
+#include "sensors.hpp"
 #include "stator/mutex.hpp"
 #include "stator/pthread.hpp"
 #include "world/can_parts.hpp"
@@ -33,9 +32,6 @@ class RealWorld {
     void end();
     // What motors do from now on. Any one thread.
     void command_motors(const drivers::motor::sim::MotorSim::Control& control);
-    // What devices without a line say now. Any thread.
-    drivers::baro::sim::BaroSim::Device barometer();
-    drivers::battery::sim::BatterySim::Device battery();
 
     // Once it has ended.
     const world::World& world() const { return world_; }
@@ -53,11 +49,14 @@ class RealWorld {
 
     void run();
     void obey(std::uint64_t until_us);
-    void serve_can(const world::World::Event& event);
-    void hand_over(const world::World::Event& event, std::uint64_t now_us);
-    bool can_take(const Line& line);
+    void serve_can();
+    void measure();
+
+    struct Give;  // to one device
 
     world::World world_;
+    Sensors sensors_;
+    world::CanParts can_parts_;
     std::FILE* truth_;
     bool truth_is_whole_ = false;
     std::uint64_t missed_samples_ = 0;
@@ -66,9 +65,6 @@ class RealWorld {
     Mutex mutex_;
     std::array<Command, kMaxCommands> commands_{};  // under the mutex, and so is the next
     unsigned command_count_ = 0;
-    world::CanParts can_parts_;
-    drivers::baro::sim::BaroSim::Device barometer_{};
-    drivers::battery::sim::BatterySim::Device battery_{};
 };
 
 }  // namespace stator::board

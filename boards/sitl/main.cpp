@@ -13,10 +13,11 @@
 #include <thread>
 #include <vector>
 
-#include "board.hpp"
+#include "devices.hpp"
 #include "flight.hpp"
 #include "mission_file.hpp"
 #include "stator/recording.hpp"
+#include "stator/virtual.hpp"
 #include "world/flight_facts.hpp"
 #include "world/options.hpp"
 

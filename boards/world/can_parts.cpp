@@ -32,7 +32,7 @@ std::int32_t millimetres(double metres) {
 
 }  // namespace
 
-CanParts::CanParts(Send sink) : send_(sink), receiver_(kWanted) {
+CanParts::CanParts(const World& world, Send sink) : send_(sink), gnss_(world), receiver_(kWanted) {
     dronecan::NodeSet all;
     all.add_range(1, dronecan::kMaxNodeId);
     receiver_.allow(all);
@@ -109,7 +109,8 @@ void CanParts::send_fix(const GnssFix& fix, std::uint64_t now_us) {
     send(geometry, kReceiver, geometry_id_, now_us);
 }
 
-void CanParts::run(const World& world, const std::optional<GnssFix>& fix) {
+void CanParts::run(const World& world) {
+    const std::optional<GnssFix> fix = gnss_.receive(world);
     if (!awake_) return;
     const std::uint64_t now_us = world.plant().time_us();
     if (fix) send_fix(*fix, now_us);

@@ -19,7 +19,7 @@ bool write_truth_head(std::FILE* file) {
 bool write_truth(std::FILE* file, const World& world) {
     const Plant& plant = world.plant();
     const QuadState& state = plant.state();
-    const Vector3& wind_N = plant.influence().wind_N;
+    const Vector3& wind_N = world.influence().wind_N;
     const Battery& battery = world.battery();
     const std::array<double, kTruthColumns.size()> row{static_cast<double>(plant.time_us()),
                                                        state.position_N.x(),

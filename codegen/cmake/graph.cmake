@@ -56,6 +56,8 @@ function(stator_add_graph_parts target graph board)
         set(own_ports "${folder}/ports/${CMAKE_MATCH_2}")
         set(source_folder "${CMAKE_MATCH_3}")
         file(GLOB sources CONFIGURE_DEPENDS "${source_folder}/*.cpp")
+        # Such a header makes a driver a part of the simulated world: the compiler looks for it.
+        file(GLOB parts CONFIGURE_DEPENDS "${source_folder}/*_world.hpp")
         if(sources)
             add_library(${library} STATIC ${sources})
             target_include_directories(${library} PUBLIC "${source_folder}" "${own_ports}")
@@ -75,7 +77,7 @@ function(stator_add_graph_parts target graph board)
     add_library(${target}_generated OBJECT ${graph_sources})
     # Only these and the board know apps and drivers: by "apps/NAME/NAME.hpp", as two may have a file
     # of one name. In this order, and only for names in quotes.
-    set(quoted "${folder}" "${graph_board}" ${ports} ${graph_roots})
+    set(quoted "${folder}" ${ports} ${graph_roots})
     list(TRANSFORM quoted PREPEND "-iquote")
     target_compile_options(${target}_generated PUBLIC ${quoted})
     target_link_libraries(${target}_generated PUBLIC ${libraries} ${target}_interfaces)

@@ -10,7 +10,8 @@
 #include <cstring>
 #include <thread>
 
-#include "link.hpp"
+#include "../link.hpp"
+#include "sensors.hpp"
 #include "world/flight_facts.hpp"
 #include "world/options.hpp"
 #include "world/truth.hpp"
@@ -39,6 +40,7 @@ class Server {
   public:
     Server(const world::Options& options, const Files& files)
         : world_(options.conditions),
+          sensors_(world_),
           files_(files),
           duration_us_(options.duration_us),
           speed_(options.speed),
@@ -80,7 +82,8 @@ class Server {
         keep_pace(time_us);
         link::FromPlant answer{};
         while (world_.next_event_us() <= time_us && world_.next_event_us() <= duration_us_) {
-            add(world_.move_to_next_event(), answer);
+            world_.move_to_next_event();
+            sensors_.measure(world_, answer.samples);
             record_truth();
         }
         answer.is_over = world_.is_over() || world_.next_event_us() > duration_us_ ? 1 : 0;
@@ -88,70 +91,15 @@ class Server {
                std::fflush(files_.to_firmware) == 0;
     }
 
-    // The newest sample of each sensor goes to the firmware.
-    void add(const world::World::Event& event, link::FromPlant& answer) {
-        answer.now_us = world_.plant().time_us();
-        if (event.imu) {
-            answer.imu_sampled = 1;
-            answer.gyro_B = math::to_array(event.imu->gyro_B);
-            answer.accel_B = math::to_array(event.imu->accel_B);
-        }
-        if (event.mocap) {
-            answer.mocap_received = 1;
-            answer.mocap_time_us = event.mocap->time_us;
-            answer.mocap_yaw = event.mocap->yaw;
-            answer.mocap_position_N = math::to_array(event.mocap->position_N);
-        }
-        if (event.mag_B) {
-            answer.mag_sampled = 1;
-            answer.mag_B = math::to_array(*event.mag_B);
-        }
-        if (event.baro) {
-            answer.baro_sampled = 1;
-            answer.pressure = event.baro->pressure;
-            answer.temperature_degc = event.baro->temperature_degc;
-        }
-        if (event.gnss) add(*event.gnss, answer);
-        if (event.radio) add(*event.radio, answer);
-        if (event.battery_measured) add(world_.battery(), answer);
-    }
-
-    static void add(const world::GnssFix& fix, link::FromPlant& answer) {
-        answer.gnss_received = 1;
-        answer.gnss_time_us = fix.time_us;
-        answer.latitude_deg = fix.place.latitude_deg;
-        answer.longitude_deg = fix.place.longitude_deg;
-        answer.altitude_msl_m = fix.place.altitude_msl;
-        answer.altitude_ellipsoid_m = fix.place.altitude_ellipsoid;
-        answer.gnss_velocity_N = math::to_array(fix.velocity_N);
-        answer.gnss_errors = {fix.horizontal_error, fix.vertical_error, fix.speed_error};
-        answer.satellites = fix.satellites;
-    }
-
-    static void add(const world::World::RadioFrame& frame, link::FromPlant& answer) {
-        const world::PilotFrame& hands = frame.hands;
-        answer.radio_received = 1;
-        answer.sticks = {hands.roll, hands.pitch, hands.yaw, hands.throttle};
-        answer.mode_slot = hands.mode_slot;
-        answer.switches = {frame.is_heard, hands.arm, hands.return_home, hands.kill};
-    }
-
-    static void add(const world::Battery& battery, link::FromPlant& answer) {
-        answer.battery_measured = 1;
-        answer.battery = {static_cast<float>(battery.voltage()),
-                          static_cast<float>(battery.current()),
-                          static_cast<float>(battery.discharged_c() / 3.6),
-                          static_cast<float>(battery.remaining())};
-    }
-
     void record_truth() {
-        if (files_.truth == nullptr || world_.plant().time_us() % world::kTruthPeriod_us != 0) {
+        if (files_.truth == nullptr || world_.time_us() % world::kTruthPeriod_us != 0) {
             return;
         }
         truth_is_whole_ = world::write_truth(files_.truth, world_) && truth_is_whole_;
     }
 
     world::World world_;
+    board::Sensors sensors_;
     Files files_;
     uint64_t duration_us_;
     double speed_;

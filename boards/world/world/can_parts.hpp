@@ -7,6 +7,7 @@
 #include "dronecan/equipment/esc/raw_command.hpp"
 #include "stator/dronecan/receiver.hpp"
 #include "stator/dronecan/sender.hpp"
+#include "world/gnss_part.hpp"
 #include "world/world.hpp"
 
 namespace stator::world {
@@ -19,12 +20,12 @@ class CanParts {
     // Where their frames go, when.
     using Send = void (*)(const dronecan::Frame& frame, std::uint64_t now_us);
 
-    explicit CanParts(Send sink);
+    CanParts(const World& world, Send sink);
 
     // A frame of the vehicle. The new motor commands, if it ended a transfer of them.
     std::optional<Control> receive(const dronecan::Frame& frame, std::uint64_t now_us);
-    // To be called in steps of 1 ms or so; sends what is due.
-    void run(const World& world, const std::optional<GnssFix>& fix);
+    // At each event of the world; sends what is due.
+    void run(const World& world);
     // Controllers that get no commands stop. True once, when they do.
     bool times_out(std::uint64_t now_us);
 
@@ -38,6 +39,7 @@ class CanParts {
     void report(const World& world, unsigned motor);
 
     Send send_;
+    GnssPart gnss_;
     dronecan::Receiver<1, dronecan::equipment::esc::RawCommand::kType.most_bytes> receiver_;
     Timer report_timer_{.period_us = 50'000};
     Timer status_timer_{.period_us = 1'000'000};

@@ -1,6 +1,9 @@
 // Coloured noise of simulated sensors, exactly integrated: the same statistics at any period.
 #pragma once
 
+#include <cstdint>
+#include <string_view>
+
 #include "stator/random.hpp"
 #include "stator/rotation.hpp"
 
@@ -21,6 +24,15 @@ enum class Stream : std::uint64_t {
     kVariation = 7,
     kImuDrift = 8,
 };
+// The stream of a sensor that is not in that list, by a name of its own (FNV-1a; the highest bit
+// keeps it from the numbers above).
+constexpr std::uint64_t stream_of(std::string_view name) {
+    std::uint64_t hash = 0xcbf29ce484222325;
+    for (const char letter : name) {
+        hash = (hash ^ static_cast<unsigned char>(letter)) * 0x100000001b3;
+    }
+    return hash | std::uint64_t{1} << 63;
+}
 
 // Standard normal, components in order: the arguments of a constructor have none.
 Vector3 gaussian3(math::Random& random);

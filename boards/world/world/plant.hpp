@@ -68,6 +68,7 @@ struct QuadState {
 struct Influence {
     Vector3 wind_N = Vector3::Zero();                            // m/s
     double supply = 1.0;                                         // voltage, of the nominal one
+    double current = 0.0;                                        // A, through the supply's wires
     std::array<double, kRotors> efficiency{1.0, 1.0, 1.0, 1.0};  // of each rotor's thrust
 };
 

@@ -1,15 +1,13 @@
-// The simulated world of one flight: the quadrotor, its sensors, its pilot, and what happens when.
-// Knows no graph, no executor and no file.
+// The simulated world of one flight: the vehicle, what acts on it, and what happens when. Sensors
+// look at it from outside: each is a part of its own (README.md). Knows no graph, no executor and
+// no file.
 #pragma once
 
 #include <deque>
-#include <optional>
 
 #include "world/battery.hpp"
 #include "world/conditions.hpp"
 #include "world/flight_watch.hpp"
-#include "world/navigation_sensors.hpp"
-#include "world/sensors.hpp"
 #include "world/variation.hpp"
 
 namespace stator::world {
@@ -28,57 +26,40 @@ struct Timer {
 
 class World {
   public:
+    // All that happens is on this grid.
+    static constexpr std::uint64_t kStep_us = 1000;
+
     explicit World(const Conditions& conditions);
 
-    // A pilot's frame, and whether it has been heard since the last one.
-    struct RadioFrame {
-        PilotFrame hands{};
-        bool is_heard = false;
-    };
-    // What `move_to_next_event` found; a measurement that arrived late was taken earlier.
-    struct Event {
-        std::optional<ImuSample> imu;
-        std::optional<MocapSample> mocap;
-        std::optional<Vector3f> mag_B;  // gauss
-        std::optional<BarometerSample> baro;
-        std::optional<GnssFix> gnss;
-        std::optional<RadioFrame> radio;
-        bool battery_measured = false;
-    };
-
-    static constexpr std::uint64_t kBatteryPeriod_us = 50000;
-
-    std::uint64_t next_event_us() const { return imu_timer_.next_us; }
-    Event move_to_next_event();
+    std::uint64_t next_event_us() const { return next_event_us_; }
+    // Then parts measure, before the next event or command. What acts on the vehicle from then on
+    // is chosen, but acts on nothing that they see.
+    void move_to_next_event();
     // The command acts from `now_us` on or, of a varied vehicle, after its delay. `now_us`
     // is not before the newest event.
     void command_motors(std::uint64_t now_us, const std::array<float, kRotors>& control);
 
+    std::uint64_t time_us() const { return plant_.time_us(); }
+    const Conditions& conditions() const { return conditions_; }
+    const Vehicle& vehicle() const { return vehicle_; }
     const Plant& plant() const { return plant_; }
     const Battery& battery() const { return battery_; }
+    // What acts on the vehicle until the next event.
+    const Influence& influence() const { return influence_; }
     const FlightWatch& watch() const { return watch_; }
-    bool mission_is_lost() const;
+    bool has_fault(FaultKind kind) const;
     bool is_over() const { return watch_.is_over(plant_.time_us()); }
 
   private:
     void move_plant(std::uint64_t time_us);
-    void influence_plant(std::uint64_t now_us);
-    std::optional<MocapSample> watch_with_cameras(std::uint64_t now_us);
-    std::optional<GnssFix> listen_to_satellites(std::uint64_t now_us);
-    const RadioFrame& listen_to_pilot(std::uint64_t now_us);
+    void choose_influence(std::uint64_t now_us);
 
     Conditions conditions_;
     Vehicle vehicle_;
-    MocapParameters mocap_parameters_{};
-    GnssParameters gnss_parameters_{};
     Plant plant_;
     Battery battery_{BatteryParameters{}};
     Wind wind_;
-    Imu imu_;
-    Mocap mocap_;
-    Magnetometer magnetometer_;
-    Barometer barometer_;
-    GnssReceiver gnss_;
+    Influence influence_{};
     FlightWatch watch_;
     struct Command {
         std::uint64_t time_us;  // from when on it acts
@@ -86,18 +67,7 @@ class World {
     };
     std::deque<Command> commands_;  // on their way
     bool motors_are_stopped_ = true;
-    // All on the grid of the IMU's samples, so that nothing happens between two of them.
-    Timer imu_timer_{vehicle_.imu.period_us};
-    Timer picture_timer_{mocap_parameters_.period_us};
-    Timer arrival_timer_{mocap_parameters_.period_us, mocap_parameters_.delay_us};
-    Timer magnetometer_timer_{vehicle_.magnetometer.period_us};
-    Timer barometer_timer_{vehicle_.barometer.period_us};
-    Timer battery_timer_{kBatteryPeriod_us};
-    Timer fix_timer_{gnss_parameters_.period_us};
-    Timer radio_timer_{Pilot::kPeriod_us};
-    MocapSample picture_{};                         // on its way
-    std::optional<GnssReceiver::Sending> sending_;  // on its way
-    RadioFrame radio_;                              // the newest one heard
+    std::uint64_t next_event_us_ = 0;
 };
 
 }  // namespace stator::world

@@ -11,10 +11,26 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/baro/sim/baro_sim_world.hpp"
+#include "drivers/battery/sim/battery_sim_world.hpp"
+#include "drivers/gnss/sim/gnss_sim_world.hpp"
+#include "drivers/imu/sim/imu_sim_world.hpp"
+#include "drivers/mag/sim/mag_sim_world.hpp"
+#include "drivers/mocap/sim/mocap_sim_world.hpp"
+#include "drivers/radio/sim/radio_sim_world.hpp"
 #include "world/truth.hpp"
 
 namespace stator::world {
 namespace {
+
+using drivers::baro::sim::BaroSimWorld;
+using drivers::battery::sim::BatterySimWorld;
+using drivers::gnss::sim::GnssSimSample;
+using drivers::gnss::sim::GnssSimWorld;
+using drivers::imu::sim::ImuSimWorld;
+using drivers::mag::sim::MagSimWorld;
+using drivers::mocap::sim::MocapSimWorld;
+using drivers::radio::sim::RadioSimWorld;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr std::array<float, kRotors> kStopped{kNan, kNan, kNan, kNan};
@@ -27,39 +43,49 @@ void run_until(World& world, std::uint64_t time_us) {
     while (world.next_event_us() <= time_us) world.move_to_next_event();
 }
 
+// Calls `see(sample)` with all that a part measures in `seconds`.
+template <class Part, class See>
+void watch(World& world, Part part, std::uint64_t seconds, const See& see) {
+    while (world.next_event_us() < seconds * 1000000) {
+        world.move_to_next_event();
+        if (const auto sample = part.measure(world)) see(*sample);
+    }
+}
+
+template <class Part>
+unsigned samples_of_a_second() {
+    World world{Conditions{}};
+    unsigned count = 0;
+    watch(world, Part(world), 1, [&](const auto&) { ++count; });
+    return count;
+}
+
 TEST(World, imu_samples_at_time_zero_and_each_millisecond) {
     World world{Conditions{}};
+    ImuSimWorld imu(world);
     EXPECT_EQ(world.next_event_us(), 0U);
     for (std::uint64_t time_us = 0; time_us <= 20000; time_us += 1000) {
         EXPECT_EQ(world.next_event_us(), time_us);
-        EXPECT_TRUE(world.move_to_next_event().imu);
-        EXPECT_EQ(world.plant().time_us(), time_us);
+        world.move_to_next_event();
+        EXPECT_EQ(world.time_us(), time_us);
+        const auto sample = imu.measure(world);
+        ASSERT_TRUE(sample);
+        EXPECT_EQ(sample->timestamp_sample, time_us);
     }
 }
 
 TEST(World, sensors_and_radio_have_their_rates) {
-    World world{Conditions{}};
-    unsigned mag = 0;
-    unsigned baro = 0;
-    unsigned radio = 0;
-    while (world.next_event_us() < 1000000) {
-        const World::Event event = world.move_to_next_event();
-        mag += event.mag_B ? 1U : 0U;
-        baro += event.baro ? 1U : 0U;
-        radio += event.radio ? 1U : 0U;
-    }
-    EXPECT_EQ(mag, 100U);
-    EXPECT_EQ(baro, 50U);
-    EXPECT_EQ(radio, 50U);
+    EXPECT_EQ(samples_of_a_second<MagSimWorld>(), 100U);
+    EXPECT_EQ(samples_of_a_second<BaroSimWorld>(), 50U);
+    EXPECT_EQ(samples_of_a_second<RadioSimWorld>(), 50U);
+    EXPECT_EQ(samples_of_a_second<BatterySimWorld>(), 20U);
 }
 
-// Of all fixes in `seconds`: arrival and time of the fix.
-std::vector<std::pair<std::uint64_t, GnssFix>> fixes(World& world, std::uint64_t seconds) {
-    std::vector<std::pair<std::uint64_t, GnssFix>> result;
-    while (world.next_event_us() < seconds * 1000000) {
-        const World::Event event = world.move_to_next_event();
-        if (event.gnss) result.emplace_back(world.plant().time_us(), *event.gnss);
-    }
+// Of all fixes in `seconds`: arrival and fix.
+std::vector<std::pair<std::uint64_t, GnssSimSample>> fixes(World& world, std::uint64_t seconds) {
+    std::vector<std::pair<std::uint64_t, GnssSimSample>> result;
+    watch(world, GnssSimWorld(world), seconds,
+          [&](const GnssSimSample& fix) { result.emplace_back(world.time_us(), fix); });
     return result;
 }
 
@@ -68,7 +94,7 @@ TEST(World, fixes_arrive_about_110_ms_late_and_some_never) {
     const auto all_fixes = fixes(world, 200);
     double sum_us = 0.0;
     for (const auto& [arrival_us, fix] : all_fixes) {
-        const std::uint64_t delay_us = arrival_us - fix.time_us;
+        const std::uint64_t delay_us = arrival_us - fix.timestamp_sample;
         EXPECT_GE(delay_us, 90000U);
         EXPECT_LE(delay_us, 130000U);
         sum_us += static_cast<double>(delay_us);
@@ -84,21 +110,28 @@ TEST(World, faults_come_and_go) {
     ASSERT_TRUE(conditions.faults.add({FaultKind::kGnssLoss, 0.0, 2000000, 4000000}));
     ASSERT_TRUE(conditions.faults.add({FaultKind::kRcLoss, 0.0, 1000000, 3000000}));
     ASSERT_TRUE(conditions.faults.add({FaultKind::kBatteryLow, 0.1, 2000000, 2000001}));
+    ASSERT_TRUE(conditions.faults.add({FaultKind::kBaroLoss, 0.0, 1000000, 2000000}));
     World world(conditions);
+    GnssSimWorld gnss(world);
+    RadioSimWorld radio(world);
+    BaroSimWorld baro(world);
+    unsigned pressures = 0;
     while (world.next_event_us() < 6000000) {
-        const World::Event event = world.move_to_next_event();
-        const std::uint64_t now_us = world.plant().time_us();
-        if (event.gnss) {
-            const bool lost = event.gnss->time_us >= 2000000 && event.gnss->time_us < 4000000;
-            EXPECT_EQ(event.gnss->satellites == 0, lost);
+        world.move_to_next_event();
+        const std::uint64_t now_us = world.time_us();
+        if (const auto fix = gnss.measure(world)) {
+            const std::uint64_t then_us = fix->timestamp_sample;
+            EXPECT_EQ(fix->satellites == 0, then_us >= 2000000 && then_us < 4000000);
         }
-        if (event.radio) {
-            EXPECT_EQ(event.radio->is_heard, now_us < 1000000 || now_us >= 3000000);
+        if (const auto frame = radio.measure(world)) {
+            EXPECT_EQ(frame->is_heard, now_us < 1000000 || now_us >= 3000000);
         }
+        if (baro.measure(world)) ++pressures;
         if (now_us < 2000000) {
             EXPECT_GT(world.battery().remaining(), 0.99);
         }
     }
+    EXPECT_EQ(pressures, 250U);                   // of 300
     EXPECT_LE(world.battery().remaining(), 0.1);  // for good
 }
 
@@ -107,13 +140,13 @@ TEST(World, a_glitch_pulls_the_fix_away_level) {
     World well(conditions);
     ASSERT_TRUE(conditions.faults.add({FaultKind::kGnssGlitch, 25.0, 0, 1000000}));
     World pulled(conditions);
-    const Geodetic a = fixes(well, 1).front().second.place;
-    const Geodetic b = fixes(pulled, 1).front().second.place;
+    const GnssSimSample a = fixes(well, 1).front().second;
+    const GnssSimSample b = fixes(pulled, 1).front().second;
     // 111.2 km are a degree of latitude here, 75.5 km one of longitude (WGS 84, to 0.1 %).
     const double north = (b.latitude_deg - a.latitude_deg) * 111170.0;
     const double east = (b.longitude_deg - a.longitude_deg) * 75500.0;
     EXPECT_NEAR(std::hypot(north, east), 25.0, 0.1);
-    EXPECT_EQ(a.altitude_msl, b.altitude_msl);
+    EXPECT_EQ(a.altitude_msl_m, b.altitude_msl_m);
 }
 
 TEST(World, a_broken_propeller_thrusts_less) {
@@ -130,10 +163,12 @@ TEST(World, a_broken_propeller_thrusts_less) {
 
 TEST(World, motion_capture_arrives_late_with_the_time_of_its_picture) {
     World world{Conditions{}};
+    MocapSimWorld mocap(world);
     std::vector<std::pair<std::uint64_t, std::uint64_t>> arrivals;
     while (world.next_event_us() <= 30000) {
-        const World::Event event = world.move_to_next_event();
-        if (event.mocap) arrivals.emplace_back(world.plant().time_us(), event.mocap->time_us);
+        world.move_to_next_event();
+        const auto seen = mocap.measure(world);
+        if (seen) arrivals.emplace_back(world.time_us(), seen->timestamp_sample);
     }
     const decltype(arrivals) expected{{5000, 0}, {15000, 10000}, {25000, 20000}};
     EXPECT_EQ(arrivals, expected);
@@ -141,9 +176,13 @@ TEST(World, motion_capture_arrives_late_with_the_time_of_its_picture) {
 
 TEST(World, motion_capture_shows_where_the_vehicle_was_at_the_picture) {
     World world{Conditions{}};
+    MocapSimWorld mocap(world);
     world.move_to_next_event();
     world.command_motors(0, all(1.0F));
-    run_until(world, 504000);
+    while (world.next_event_us() <= 504000) {
+        world.move_to_next_event();
+        static_cast<void>(mocap.measure(world));
+    }
     const double z_then = [&] {
         World same{Conditions{}};
         same.move_to_next_event();
@@ -151,9 +190,10 @@ TEST(World, motion_capture_shows_where_the_vehicle_was_at_the_picture) {
         run_until(same, 500000);
         return same.plant().state().position_N.z();
     }();
-    const World::Event event = world.move_to_next_event();
-    ASSERT_TRUE(event.mocap);
-    EXPECT_NEAR(static_cast<double>(event.mocap->position_N.z()), z_then, 0.005);
+    world.move_to_next_event();
+    const auto seen = mocap.measure(world);
+    ASSERT_TRUE(seen);
+    EXPECT_NEAR(static_cast<double>(seen->position_N[2]), z_then, 0.005);
     EXPECT_LT(world.plant().state().position_N.z(), z_then - 0.01);  // it has climbed since
 }
 
@@ -170,13 +210,16 @@ TEST(World, command_acts_from_its_instant_on) {
 TEST(World, flight_is_a_function_of_its_seed) {
     const auto end = [](std::uint64_t seed) {
         World world(Conditions{.seed = seed});
+        ImuSimWorld imu(world);
+        MagSimWorld mag(world);
         world.move_to_next_event();
         world.command_motors(0, all(0.6F));
-        Vector3f sum = Vector3f::Zero();
+        float sum = 0.0F;
         while (world.next_event_us() <= 200000) {
-            const World::Event event = world.move_to_next_event();
-            sum += event.imu->gyro_B + event.imu->accel_B;
-            if (event.mag_B) sum += *event.mag_B;
+            world.move_to_next_event();
+            const auto motion = imu.measure(world);
+            sum += motion->gyro_B[0] + motion->accel_B[1];
+            if (const auto field = mag.measure(world)) sum += field->field_B_gauss[2];
         }
         return sum;
     };
@@ -232,6 +275,10 @@ TEST(World, a_varied_vehicle_hears_its_commands_late) {
 
 TEST(World, wind_acts_on_the_plant) {
     World world(Conditions{.wind = {.speed = 5.0, .from = 0.0}});
+    world.move_to_next_event();
+    EXPECT_NEAR((world.influence().wind_N - Vector3(-5.0, 0.0, 0.0)).norm(), 0.0, 1e-12);
+    // Parts that measure at this event saw none of it yet.
+    EXPECT_EQ(world.plant().influence().wind_N, Vector3(Vector3::Zero()));
     world.move_to_next_event();
     EXPECT_NEAR((world.plant().influence().wind_N - Vector3(-5.0, 0.0, 0.0)).norm(), 0.0, 1e-12);
 }
