@@ -137,9 +137,7 @@ class TaskRow:
     def anew(self) -> list[str]:
         """Statements of the task when it begins after a switch."""
         begun = [i.name for i in (*self.triggers, *self.queues)]
-        lines = [
-            f"state.{name} = state.{name.removesuffix('number')}start.load();" for name in begun
-        ]
+        lines = [f"state.{name}_number = state.{name}_start.load();" for name in begun]
         lines += [
             f"state.{name} = 0;"
             for name in self._numbers()
