@@ -1,7 +1,6 @@
 // Starts the Pixhawk FMU: clocks, supplies, pins, the clock of the graph, the CAN controller, the
 // watchdog. It builds, links and passes every static check; no hardware has run it.
-#include "board.hpp"
-
+#include "devices.hpp"
 #include "pins.hpp"
 #include "stator/cortex_m.hpp"
 #include "stm32f4/clock_tree.hpp"
@@ -22,7 +21,7 @@ constexpr stm32f4::Watchdog kWatchdog;
 // No part is selected while the supplies come up.
 void start_pins() {
     for (const stm32f4::Pin& select : pins::kSelects) select.make_output(true);
-    pins::kAmberLed.make_output(true);
+    pins::kAmberLed.make_open_drain(true);
     pins::kSensorSupply.make_output(true);
     pins::kPeripheralSupplyOff.make_output(false);
 }
@@ -33,6 +32,7 @@ constexpr uint32_t kCan1 = 0x40006400;
 constexpr uint32_t kCan1Clock = 1U << 25;
 
 void start_can() {
+    can1 = {.base = kCan1, .clock_hz = stm32f4::kApb1Clock_hz, .bit_rate = 1'000'000};
     stm32f4::rcc::kApb1Enable.set(kCan1Clock);
     pins::kCan1Receive.make_alternate(pins::kCanFunction);
     pins::kCan1Send.make_alternate(pins::kCanFunction);
@@ -43,9 +43,6 @@ bool take_can1(uint32_t interrupts) {
 }
 
 }  // namespace
-
-drivers::can::bxcan::CanBxcan::Device can1{.base = kCan1, .clock_hz = stm32f4::kApb1Clock_hz, .bit_rate = 1'000'000};
-drivers::system::board::SystemBoard::Device system0{.restart = restart};
 
 // Low: no pulse. A speed controller that sees none stops its motor.
 void make_safe() {
@@ -63,6 +60,7 @@ uint32_t ticks() {
 
 void prepare() {
     make_safe();
+    system0.restart = restart;
     cycles::kDebugControl.set(cycles::kTrace);
     cycles::kControl.set(cycles::kEnable);
     require(stm32f4::start_clocks(kCrystal_mhz) != stm32f4::ClockSource::kNone, "no clock");

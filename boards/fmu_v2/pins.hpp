@@ -9,17 +9,22 @@ namespace stator::board::pins {
 
 using stm32f4::Pin;
 
-inline constexpr Pin kAmberLed('E', 12);            // open to the LED: low lights it
+inline constexpr Pin kAmberLed('E', 12);            // low lights it; its anode is at 5 V
 inline constexpr Pin kSensorSupply('E', 3);         // high: 3.3 V for the sensors
 inline constexpr Pin kPeripheralSupplyOff('A', 8);  // low: 5 V for what is plugged in
 
-// Every chip on the sensors' bus, SPI1, and the FRAM on SPI2: selected by a low level.
+// Every chip on the sensors' bus, SPI1, the FRAM on SPI2, and what a connector or the sensors of
+// the Cube, which is the same board to a bootloader, may have on SPI1 and SPI4: selected by a low
+// level.
 inline constexpr std::array kSelects{
     Pin('C', 2),   // MPU6000
     Pin('C', 13),  // L3GD20
     Pin('C', 15),  // LSM303D
     Pin('D', 7),   // MS5611
     Pin('D', 10),  // FRAM
+    Pin('C', 1),   // compass of the Cube
+    Pin('E', 4),   // first chip on SPI4
+    Pin('C', 14),  // second chip on SPI4
 };
 
 // The bus of the connector CAN: CAN1, with the transceiver on the board, which no pin switches. The

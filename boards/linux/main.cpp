@@ -14,13 +14,13 @@
 #include <cstdio>
 #include <cstring>
 
-#include "board.hpp"
-#include "flight_facts.hpp"
+#include "devices.hpp"
 #include "nonvolatile.hpp"
-#include "options.hpp"
 #include "real_world.hpp"
 #include "run_options.hpp"
 #include "stator/recording.hpp"
+#include "world/flight_facts.hpp"
+#include "world/options.hpp"
 
 namespace {
 
@@ -63,21 +63,11 @@ bool is_alone(int file) {
     return false;
 }
 
-// Devices that do not wait for a line.
 void connect(board::RealWorld& world) {
     the_world = &world;
+    board::system0.restart = stop;
     board::motors.write = [](const drivers::motor::sim::MotorSim::Control& control) {
         the_world->command_motors(control);
-    };
-    board::baro0.refresh = [](drivers::baro::sim::BaroSim::Device& device) {
-        const auto refresh = device.refresh;
-        device = the_world->barometer();
-        device.refresh = refresh;
-    };
-    board::battery0.refresh = [](drivers::battery::sim::BatterySim::Device& device) {
-        const auto refresh = device.refresh;
-        device = the_world->battery();
-        device.refresh = refresh;
     };
 }
 
@@ -181,7 +171,7 @@ void print(const board::RealWorld& world, double wall_s) {
     board::print_nonvolatile();
     print_levels(wall_s);
     std::printf(", ");
-    board::print_flight_facts(world.world(), wall_s, board::system0.restarts);
+    world::print_flight_facts(world.world(), wall_s, board::system0.restarts);
     std::puts("}");
 }
 
@@ -198,11 +188,11 @@ int refuse_world() {
 }  // namespace
 
 int main(int count, char** arguments) {
-    board::Options options;
+    world::Options options;
     board::RunOptions run;
     std::FILE* truth = nullptr;
     if (!board::take_run_options(count, arguments, run)) return 2;
-    if (!board::parse(count, arguments, options)) return 2;
+    if (!world::parse(count, arguments, options)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
     if (run.nonvolatile != nullptr && !board::open_nonvolatile(run.nonvolatile)) return 2;
     board::RealWorld world(options.conditions, truth);

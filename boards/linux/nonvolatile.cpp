@@ -12,7 +12,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "board.hpp"
+#include "devices.hpp"
 
 namespace stator::board {
 
@@ -35,7 +35,8 @@ bool has_head(int file) {
 
 // A damaged beginning of a file of the right length costs nothing: each record has a checksum.
 bool is_foreign(int file, const struct stat& facts) {
-    const bool is_length = facts.st_size == 0 || facts.st_size == drivers::nonvolatile::file::NonvolatileFile::kFileBytes;
+    const bool is_length = facts.st_size == 0 ||
+                           facts.st_size == drivers::nonvolatile::file::NonvolatileFile::kFileBytes;
     return !S_ISREG(facts.st_mode) || (!is_length && !has_head(file));
 }
 

@@ -1,13 +1,11 @@
 // Ties the emulated chip to the simulated world on the host: each millisecond, at hardware priority
 // 0, the world moves up to now, fills the devices that sampled meanwhile, and pends their vectors.
-#include "board.hpp"
-
 #include <limits>
 #include <utility>
 
-#include "lines.hpp"
+#include "devices.hpp"
+#include "hand_over.hpp"
 #include "link.hpp"
-#include "newest.hpp"
 #include "semihosting.hpp"
 #include "serial.hpp"
 #include "stator/cortex_m.hpp"
@@ -18,32 +16,8 @@ namespace stator::board {
 
 namespace {
 
-// Devices that are asked by a period, which no line of theirs keeps from being read meanwhile.
-Newest<drivers::baro::sim::BaroSim::Device> barometer;
-Newest<drivers::battery::sim::BatterySim::Device> battery;
-
-void refresh_baro(drivers::baro::sim::BaroSim::Device& device) {
-    if (barometer.count() != 0) device = barometer.get();
-}
-void refresh_battery(drivers::battery::sim::BatterySim::Device& device) {
-    if (battery.count() != 0) device = battery.get();
-}
-
-}  // namespace
-
-drivers::imu::sim::ImuSim::Device imu0;
-drivers::mocap::sim::MocapSim::Device mocap0;
-drivers::motor::sim::MotorSim::Device motors;
-drivers::mag::sim::MagSim::Device mag0;
-drivers::baro::sim::BaroSim::Device baro0{.refresh = refresh_baro};
-drivers::gnss::sim::GnssSim::Device gnss0;
-drivers::radio::sim::RadioSim::Device radio0;
-drivers::battery::sim::BatterySim::Device battery0{.refresh = refresh_battery};
-drivers::nonvolatile::sim::NonvolatileSim::Device nonvolatile0;
-drivers::system::board::SystemBoard::Device system0;
-drivers::storage::sim::StorageSim::Device log_storage;
-
-namespace {
+using drivers::motor::sim::MotorSim;
+using drivers::nonvolatile::sim::NonvolatileSim;
 
 constexpr uint8_t kAnyVector = 28;
 constexpr uint32_t kPriorityBits = 0xF0;
@@ -62,7 +36,7 @@ semihosting::File nonvolatile_file;
 uint64_t missed_samples = 0;
 
 // The register write of the motor driver.
-void write_motors(const drivers::motor::sim::MotorSim::Control& control) {
+void write_motors(const MotorSim::Control& control) {
     const link::ToPlant message{.kind = link::ToPlant::Kind::kCommand,
                                 .time_us = clock_us(),
                                 .control = {control[0], control[1], control[2], control[3]}};
@@ -84,7 +58,7 @@ void open_nonvolatile() {
     if (nonvolatile_file.open(link::kNonvolatile, semihosting::Mode::kChange)) return;
     constexpr std::array<uint8_t, 256> kBlank{};
     bool is_whole = nonvolatile_file.open(link::kNonvolatile, semihosting::Mode::kMake);
-    for (uint32_t i = 0; i < drivers::nonvolatile::sim::NonvolatileSim::kBytes / kBlank.size(); ++i) {
+    for (uint32_t i = 0; i < NonvolatileSim::kBytes / kBlank.size(); ++i) {
         is_whole = is_whole && nonvolatile_file.write(kBlank.data(), kBlank.size());
     }
     require(is_whole, "cannot make the file of the nonvolatile memory");
@@ -123,77 +97,18 @@ bool can_take(const Pend& line) {
     return false;
 }
 
-void hand_over_imu(const link::FromPlant& from) {
-    if (from.imu_sampled == 0 || !can_take(lines::imu0_data_ready)) return;
-    imu0 = {.timestamp_sample = from.now_us, .gyro_B = from.gyro_B, .accel_B = from.accel_B};
-    set_pending(lines::imu0_data_ready);
-}
-
-void hand_over_mocap(const link::FromPlant& from) {
-    if (from.mocap_received == 0 || !can_take(lines::mocap0_received)) return;
-    mocap0 = {.timestamp_sample = from.mocap_time_us,
-              .position_N = from.mocap_position_N,
-              .yaw = from.mocap_yaw};
-    set_pending(lines::mocap0_received);
-}
-
-void hand_over_mag(const link::FromPlant& from) {
-    if (from.mag_sampled == 0 || !can_take(lines::mag0_data_ready)) return;
-    mag0 = {.timestamp_sample = from.now_us, .field_B_gauss = from.mag_B};
-    set_pending(lines::mag0_data_ready);
-}
-
-void hand_over_gnss(const link::FromPlant& from) {
-    if (from.gnss_received == 0 || !can_take(lines::gnss0_received)) return;
-    gnss0 = {.timestamp_sample = from.gnss_time_us,
-             .latitude_deg = from.latitude_deg,
-             .longitude_deg = from.longitude_deg,
-             .altitude_msl_m = from.altitude_msl_m,
-             .altitude_ellipsoid_m = from.altitude_ellipsoid_m,
-             .velocity_N = from.gnss_velocity_N,
-             .horizontal_error = from.gnss_errors[0],
-             .vertical_error = from.gnss_errors[1],
-             .speed_error = from.gnss_errors[2],
-             .satellites = from.satellites};
-    set_pending(lines::gnss0_received);
-}
-
-void hand_over_radio(const link::FromPlant& from) {
-    if (from.radio_received == 0 || !can_take(lines::radio0_received)) return;
-    radio0 = {.timestamp_sample = from.now_us,
-              .roll = from.sticks[0],
-              .pitch = from.sticks[1],
-              .yaw = from.sticks[2],
-              .throttle = from.sticks[3],
-              .mode_slot = from.mode_slot,
-              .is_heard = from.switches[0] != 0,
-              .arm = from.switches[1] != 0,
-              .return_home = from.switches[2] != 0,
-              .kill = from.switches[3] != 0};
-    set_pending(lines::radio0_received);
-}
-
-void hand_over(const link::FromPlant& from) {
-    hand_over_imu(from);
-    hand_over_mocap(from);
-    hand_over_mag(from);
-    hand_over_gnss(from);
-    hand_over_radio(from);
-    if (from.baro_sampled != 0) {
-        barometer.put({.timestamp_sample = from.now_us,
-                       .samples = barometer.count() + 1,
-                       .pressure = from.pressure,
-                       .temperature_degc = from.temperature_degc,
-                       .refresh = refresh_baro});
+struct Give {
+    template <class Device, class Sample>
+    void operator()(Device& device, const Sample& sample, const Pend& line) const {
+        if (!can_take(line)) return;
+        device = sample;
+        set_pending(line);
     }
-    if (from.battery_measured != 0) {
-        battery.put({.voltage_v = from.battery[0],
-                     .current_a = from.battery[1],
-                     .discharged_mah = from.battery[2],
-                     .remaining = from.battery[3],
-                     .refresh = refresh_battery});
+    template <class Device, class Sample>
+    void operator()(Device& device, const Sample& sample) const {
+        device.put(sample);
     }
-}
+};
 
 }  // namespace
 
@@ -235,28 +150,6 @@ void usart1_interrupt() {
     serial.receive();
 }
 
-// The lines are pended by software, so that there is nothing to acknowledge.
-bool take_imu0_data_ready();
-bool take_imu0_data_ready() {
-    return true;
-}
-bool take_mocap0_received();
-bool take_mocap0_received() {
-    return true;
-}
-bool take_mag0_data_ready();
-bool take_mag0_data_ready() {
-    return true;
-}
-bool take_gnss0_received();
-bool take_gnss0_received() {
-    return true;
-}
-bool take_radio0_received();
-bool take_radio0_received() {
-    return true;
-}
-
 void tim2_interrupt();
 void tim2_interrupt() {
     kStepTimer.acknowledge();
@@ -265,7 +158,7 @@ void tim2_interrupt() {
     require(to_plant.write(&step, sizeof step) && from_plant.read(&answer, sizeof answer),
             "the plant is gone");
     if (answer.is_over != 0) finish();
-    hand_over(answer);
+    hand_over(answer.samples, Give{});
 }
 
 [[gnu::naked]] void tim3_interrupt();

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstdint>
 
+#include "samples.hpp"
+
 namespace stator::link {
 
 // Files in the emulator's working folder.
@@ -36,38 +38,10 @@ struct ToPlant {
 };
 static_assert(sizeof(ToPlant) == 88);
 
-// What the sensors saw since the step before; of each, the newest sample.
+// What the sensors saw since the step before.
 struct FromPlant {
-    uint32_t is_over = 0;  // nothing else counts then
-    uint32_t imu_sampled = 0;
-    uint32_t mocap_received = 0;
-    uint32_t mag_sampled = 0;
-    uint32_t baro_sampled = 0;
-    uint32_t gnss_received = 0;
-    uint32_t radio_received = 0;
-    uint32_t battery_measured = 0;
-    uint64_t now_us = 0;  // of all samples without a time of their own
-    uint64_t mocap_time_us = 0;
-    uint64_t gnss_time_us = 0;
-    double latitude_deg = 0.0;
-    double longitude_deg = 0.0;
-    double altitude_msl_m = 0.0;
-    double altitude_ellipsoid_m = 0.0;
-    std::array<float, 3> gyro_B{};            // rad/s
-    std::array<float, 3> accel_B{};           // m/s^2
-    std::array<float, 3> mocap_position_N{};  // m
-    float mocap_yaw = 0.0F;                   // rad
-    std::array<float, 3> mag_B{};             // gauss
-    float pressure = 0.0F;                    // Pa
-    float temperature_degc = 0.0F;
-    std::array<float, 3> gnss_velocity_N{};  // m/s
-    std::array<float, 3> gnss_errors{};      // horizontal and vertical in m, speed in m/s
-    uint32_t satellites = 0;
-    std::array<float, 4> sticks{};  // roll, pitch, yaw, throttle; -1 to 1
-    uint32_t mode_slot = 0;
-    std::array<uint8_t, 4> switches{};  // heard, arm, return, kill; 0 or 1
-    std::array<float, 4> battery{};     // V, A, mAh, part that remains
+    uint64_t is_over = 0;  // nothing else counts then
+    board::Samples samples{};
 };
-static_assert(sizeof(FromPlant) == 216);
 
 }  // namespace stator::link

@@ -1,17 +1,8 @@
 // Plays a recording: each row is written to its device when it arrived.
-#include "board.hpp"
+#include "devices.hpp"
+#include "playing.hpp"
 
 namespace stator::board {
-
-drivers::imu::recording::ImuRecording::Device imu0;
-Line imu0_data_ready;
-drivers::mag::recording::MagRecording::Device mag0;
-Line mag0_data_ready;
-drivers::gnss::recording::GnssRecording::Device gnss0;
-Line gnss0_received;
-drivers::baro::recording::BaroRecording::Device baro0;
-drivers::nonvolatile::sim::NonvolatileSim::Device nonvolatile0;
-drivers::storage::file::StorageFile::Device log_storage;
 
 namespace {
 

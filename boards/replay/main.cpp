@@ -7,7 +7,9 @@
 #include <cstring>
 #include <string_view>
 
-#include "board.hpp"
+#include "devices.hpp"
+#include "playing.hpp"
+#include "stator/virtual.hpp"
 
 namespace {
 

@@ -13,11 +13,13 @@
 #include <thread>
 #include <vector>
 
-#include "board.hpp"
-#include "flight_facts.hpp"
+#include "devices.hpp"
+#include "flight.hpp"
 #include "mission_file.hpp"
-#include "options.hpp"
 #include "stator/recording.hpp"
+#include "stator/virtual.hpp"
+#include "world/flight_facts.hpp"
+#include "world/options.hpp"
 
 namespace {
 
@@ -50,7 +52,7 @@ struct Run {
 }
 
 // Not faster than real time times the speed. Only the host's clock waits; the flight is the same.
-void run_paced(const board::Options& options) {
+void run_paced(const world::Options& options) {
     constexpr std::uint64_t kSlice_us = 10'000;
     const auto begin = std::chrono::steady_clock::now();
     const auto is_over = [] { return board::world().is_over() || board::system0.restarts; };
@@ -79,7 +81,7 @@ void run_paced(const board::Options& options) {
     return true;
 }
 
-Run run(const board::Options& options, const std::vector<std::uint32_t>& budgets) {
+Run run(const world::Options& options, const std::vector<std::uint32_t>& budgets) {
     // The host's clock is for the report only; nothing that is logged may depend on it.
     const auto begin = std::chrono::steady_clock::now();
     start();
@@ -109,16 +111,16 @@ void print(const Run& run) {
                 static_cast<unsigned long long>(run.recording.lost));
     std::printf("\"missed_life_signs\": %llu, ", static_cast<unsigned long long>(missed_life_signs(
                                                      program.watched, program.watched_count)));
-    board::print_flight_facts(board::world(), run.wall_s, board::system0.restarts);
+    world::print_flight_facts(board::world(), run.wall_s, board::system0.restarts);
     std::puts("}");
 }
 
 }  // namespace
 
 int main(int count, char** arguments) {
-    board::Options options;
+    world::Options options;
     std::FILE* truth = nullptr;
-    if (!board::parse(count, arguments, options)) return 2;
+    if (!world::parse(count, arguments, options)) return 2;
     if ((options.random_times || options.budgets != nullptr) && !kHasPreemptionPoints) {
         std::fputs("error: --times needs preemption points, which this build does not have\n",
                    stderr);

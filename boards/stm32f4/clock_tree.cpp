@@ -1,7 +1,7 @@
 // Oscillators, PLL, bus dividers, wait states, in the order that the manual wants.
-#include "clock_tree.hpp"
+#include "stm32f4/clock_tree.hpp"
 
-#include "wait.hpp"
+#include "stm32f4/wait.hpp"
 
 namespace stator::stm32f4 {
 

@@ -1,7 +1,7 @@
 // Unlocks, erases or programs, waits, and locks again.
-#include "flash.hpp"
+#include "stm32f4/flash.hpp"
 
-#include "wait.hpp"
+#include "stm32f4/wait.hpp"
 
 namespace stator::stm32f4 {
 

@@ -23,7 +23,8 @@ _GENERATED = frozenset(
     nominal_time_us set_pending clear_pending has_unread count_activation lost_samples preempt
     take_latest release""".split()
 )
-_SEEN_BY_DRIVERS = frozenset("math dronecan".split())  # namespaces that its own would hide
+_SEEN_BY_DRIVERS = frozenset("math dronecan world".split())  # namespaces that its own would hide
+_BESIDE_DEVICES = frozenset("world samples sensors give hand_over".split())  # in namespace board
 _CLASSES = ("a node", "an app", "a device class")  # a node's name is its app's, as a rule
 _IN_GENERATED = ("a node", "an app", "a topic", "a device", "a device class")
 
@@ -51,7 +52,9 @@ def reserved_reason(name: str, what: str = "") -> str:
         return "names that end in _t are types of the C library"
     if (what in _IN_GENERATED and name in _GENERATED) or _is_variable(name, what):
         return "generated code has taken it"
-    if what == "a driver" and name in _SEEN_BY_DRIVERS:
+    if what == "a device" and name in _BESIDE_DEVICES:
+        return "generated code has taken it"
+    if what in ("a driver", "a device class") and name in _SEEN_BY_DRIVERS:
         return "the runtime has taken it"
     if name in _RUNTIME or (what in _CLASSES and upper_camel(name) in _TYPES):
         return "the runtime has taken it"

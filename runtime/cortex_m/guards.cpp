@@ -1,8 +1,7 @@
 // Memory protection: what no code may do faults at once. All code is privileged; where no region
 // says otherwise the default map holds. DDI 0403E, B3.5.
-#include <bit>
-
 #include "stator/cortex_m.hpp"
+#include "stator/guard_region.hpp"
 
 // Laid out by the generated linker script.
 extern "C" {
@@ -21,17 +20,10 @@ constexpr uint32_t kData = (1U << 28) | (3U << 24) | (3U << 17);  // no executio
 constexpr uint32_t kEnable = 1U << 0;
 constexpr uint32_t kHalfGigabyte = 0x20000000;
 
-struct Region {
-    uint32_t at;
-    uint32_t bytes;  // rounded up to a power of two
-    uint32_t access;
-};
-
-void guard(uint32_t number, const Region& region) {
-    const auto size = static_cast<uint32_t>(std::bit_width(region.bytes - 1) - 1);
+void guard(uint32_t number, const GuardRegion& region, uint32_t access) {
     mpu::kRegion.write(number);
-    mpu::kBase.write(region.at);
-    mpu::kAttributes.write(region.access | (size << 1) | kEnable);
+    mpu::kBase.write(region.base);
+    mpu::kAttributes.write(access | region.size_fields() | kEnable);
 }
 
 }  // namespace
@@ -39,12 +31,14 @@ void guard(uint32_t number, const Region& region) {
 void guard_memory() {
     // Of the alias of the flash at 0, which nothing needs after the reset; of what lies below the
     // stack at 0x10000000; the flash; the rest of the code area, with the stack; the RAM.
-    guard(0, {0x00000000, 0x08000000, kNoAccess});
-    guard(1, {0x0C000000, 0x04000000, kNoAccess});
-    guard(2, {reinterpret_cast<uint32_t>(stator_flash_begin),
-              reinterpret_cast<uint32_t>(stator_flash_bytes), kReadOnly});
-    guard(3, {0x10000000, 0x10000000, kData});
-    guard(4, {0x20000000, kHalfGigabyte, kData});
+    guard(0, region_around(0x00000000, 0x08000000), kNoAccess);
+    guard(1, region_around(0x0C000000, 0x04000000), kNoAccess);
+    guard(2,
+          region_around(reinterpret_cast<uint32_t>(stator_flash_begin),
+                        reinterpret_cast<uint32_t>(stator_flash_bytes)),
+          kReadOnly);
+    guard(3, region_around(0x10000000, 0x10000000), kData);
+    guard(4, region_around(0x20000000, kHalfGigabyte), kData);
     // Off in HardFault: a fault there would stop the processor.
     mpu::kControl.write(mpu::kEnable | mpu::kDefaultMap);
     barrier();

@@ -23,6 +23,7 @@ namespace {
 
 using drivers::baro::BaroPorts;
 using drivers::baro::sim::BaroSim;
+using drivers::baro::sim::BaroSimSample;
 using drivers::battery::BatteryPorts;
 using drivers::battery::sim::BatterySim;
 using drivers::gnss::GnssPorts;
@@ -107,8 +108,10 @@ TEST(MagSim, publishes_the_sample_of_its_device) {
 }
 
 TEST(BaroSim, publishes_each_sample_once) {
-    BaroSim::Device device{
-        .timestamp_sample = 900, .samples = 1, .pressure = 95600.0F, .temperature_degc = 27.0F};
+    const BaroSimSample sample{
+        .timestamp_sample = 900, .pressure = 95600.0F, .temperature_degc = 27.0F};
+    BaroSim::Device device;
+    device.put(sample);
     BaroSim driver(device);
     BaroPorts ports{.now = 1000};
     Probe pressure(ports.pressure, ports.now);
@@ -118,7 +121,7 @@ TEST(BaroSim, publishes_each_sample_once) {
     EXPECT_EQ(pressure.newest().temperature, 27.0F);
     driver.step(ports);
     EXPECT_EQ(pressure.count(), 1U);
-    device.samples = 2;
+    device.put(sample);
     driver.step(ports);
     EXPECT_EQ(pressure.count(), 2U);
 }
@@ -168,10 +171,11 @@ TEST(GnssSim, has_no_fix_with_three_satellites) {
 }
 
 BatteryStatus battery_status(float remaining, float voltage_v = 11.0F) {
-    BatterySim::Device device{.voltage_v = voltage_v,
-                              .current_a = 14.0F,
-                              .discharged_mah = 100.0F,
-                              .remaining = remaining};
+    BatterySim::Device device;
+    device.put({.voltage_v = voltage_v,
+                .current_a = 14.0F,
+                .discharged_mah = 100.0F,
+                .remaining = remaining});
     BatterySim driver(device);
     const BatteryParams params{.timestamp = 0, .low = 0.15F, .critical = 0.07F, .emergency = 0.05F};
     BatteryPorts ports{.now = 1000, .params = Input(params)};

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     import pytest
 
-# Motion capture comes every 10 ms, a gyro sample each millisecond: boards/sitl/sensors.hpp.
+# Motion capture comes every 10 ms, a gyro sample each millisecond: boards/world/world/sensors.hpp.
 GRAPH = """
 include: [{file: quad.yaml}]
 board: fmu_v2

@@ -1,4 +1,4 @@
-// The plant of an emulated flight: moves the world of boards/sitl as far as the firmware's clock
+// The plant of an emulated flight: moves the world of boards/world as far as the firmware's clock
 // says, answers with what the sensors saw, and prints facts of the run as JSON.
 //
 // Takes the options of a simulated flight; --log and --times mean nothing here. Works in the
@@ -10,11 +10,12 @@
 #include <cstring>
 #include <thread>
 
-#include "flight_facts.hpp"
-#include "link.hpp"
-#include "options.hpp"
-#include "truth.hpp"
-#include "world.hpp"
+#include "../link.hpp"
+#include "sensors.hpp"
+#include "world/flight_facts.hpp"
+#include "world/options.hpp"
+#include "world/truth.hpp"
+#include "world/world.hpp"
 
 namespace {
 
@@ -37,12 +38,13 @@ struct Files {
 
 class Server {
   public:
-    Server(const board::Options& options, const Files& files)
+    Server(const world::Options& options, const Files& files)
         : world_(options.conditions),
+          sensors_(world_),
           files_(files),
           duration_us_(options.duration_us),
           speed_(options.speed),
-          truth_is_whole_(files.truth == nullptr || board::write_truth_head(files.truth)) {}
+          truth_is_whole_(files.truth == nullptr || world::write_truth_head(files.truth)) {}
 
     // Serves until the firmware has finished. False if it went away before.
     bool run() {
@@ -63,7 +65,7 @@ class Server {
         return false;
     }
 
-    const board::World& world() const { return world_; }
+    const world::World& world() const { return world_; }
     const link::ToPlant& finished() const { return finished_; }
     bool truth_is_whole() const { return truth_is_whole_; }
 
@@ -80,7 +82,8 @@ class Server {
         keep_pace(time_us);
         link::FromPlant answer{};
         while (world_.next_event_us() <= time_us && world_.next_event_us() <= duration_us_) {
-            add(world_.move_to_next_event(), answer);
+            world_.move_to_next_event();
+            sensors_.measure(world_, answer.samples);
             record_truth();
         }
         answer.is_over = world_.is_over() || world_.next_event_us() > duration_us_ ? 1 : 0;
@@ -88,70 +91,15 @@ class Server {
                std::fflush(files_.to_firmware) == 0;
     }
 
-    // The newest sample of each sensor goes to the firmware.
-    void add(const board::World::Event& event, link::FromPlant& answer) {
-        answer.now_us = world_.plant().time_us();
-        if (event.imu) {
-            answer.imu_sampled = 1;
-            answer.gyro_B = math::to_array(event.imu->gyro_B);
-            answer.accel_B = math::to_array(event.imu->accel_B);
-        }
-        if (event.mocap) {
-            answer.mocap_received = 1;
-            answer.mocap_time_us = event.mocap->time_us;
-            answer.mocap_yaw = event.mocap->yaw;
-            answer.mocap_position_N = math::to_array(event.mocap->position_N);
-        }
-        if (event.mag_B) {
-            answer.mag_sampled = 1;
-            answer.mag_B = math::to_array(*event.mag_B);
-        }
-        if (event.baro) {
-            answer.baro_sampled = 1;
-            answer.pressure = event.baro->pressure;
-            answer.temperature_degc = event.baro->temperature_degc;
-        }
-        if (event.gnss) add(*event.gnss, answer);
-        if (event.radio) add(*event.radio, answer);
-        if (event.battery_measured) add(world_.battery(), answer);
-    }
-
-    static void add(const board::GnssFix& fix, link::FromPlant& answer) {
-        answer.gnss_received = 1;
-        answer.gnss_time_us = fix.time_us;
-        answer.latitude_deg = fix.place.latitude_deg;
-        answer.longitude_deg = fix.place.longitude_deg;
-        answer.altitude_msl_m = fix.place.altitude_msl;
-        answer.altitude_ellipsoid_m = fix.place.altitude_ellipsoid;
-        answer.gnss_velocity_N = math::to_array(fix.velocity_N);
-        answer.gnss_errors = {fix.horizontal_error, fix.vertical_error, fix.speed_error};
-        answer.satellites = fix.satellites;
-    }
-
-    static void add(const board::World::RadioFrame& frame, link::FromPlant& answer) {
-        const board::PilotFrame& hands = frame.hands;
-        answer.radio_received = 1;
-        answer.sticks = {hands.roll, hands.pitch, hands.yaw, hands.throttle};
-        answer.mode_slot = hands.mode_slot;
-        answer.switches = {frame.is_heard, hands.arm, hands.return_home, hands.kill};
-    }
-
-    static void add(const board::Battery& battery, link::FromPlant& answer) {
-        answer.battery_measured = 1;
-        answer.battery = {static_cast<float>(battery.voltage()),
-                          static_cast<float>(battery.current()),
-                          static_cast<float>(battery.discharged_c() / 3.6),
-                          static_cast<float>(battery.remaining())};
-    }
-
     void record_truth() {
-        if (files_.truth == nullptr || world_.plant().time_us() % board::kTruthPeriod_us != 0) {
+        if (files_.truth == nullptr || world_.time_us() % world::kTruthPeriod_us != 0) {
             return;
         }
-        truth_is_whole_ = board::write_truth(files_.truth, world_) && truth_is_whole_;
+        truth_is_whole_ = world::write_truth(files_.truth, world_) && truth_is_whole_;
     }
 
-    board::World world_;
+    world::World world_;
+    board::Sensors sensors_;
     Files files_;
     uint64_t duration_us_;
     double speed_;
@@ -173,15 +121,15 @@ void print(const Server& server, double wall_s) {
                 wide(server.finished().preemptions),
                 wide(server.finished().unrecorded_activations));
     std::printf("\"missed_life_signs\": %llu, ", wide(server.finished().missed_life_signs));
-    board::print_flight_facts(server.world(), wall_s, server.finished().restarts != 0);
+    world::print_flight_facts(server.world(), wall_s, server.finished().restarts != 0);
     std::puts("}");
 }
 
 }  // namespace
 
 int main(int count, char** arguments) {
-    board::Options options;
-    if (!board::parse(count, arguments, options)) return 2;
+    world::Options options;
+    if (!world::parse(count, arguments, options)) return 2;
     Files files;
     if (!open(options.truth, "wb", files.truth) ||
         !open(link::kToPlant, "rb", files.from_firmware) ||

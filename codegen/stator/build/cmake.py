@@ -49,10 +49,10 @@ def build(
             f"error: board '{plan.board.name}' runs on the executor {plan.board.executor}, "
             f"not {executor}" + (f"\nhint: {instead} flies it" if instead else "")
         )
-    if not (plan.board.file.parent / "board.hpp").is_file():
+    if not any(plan.board.file.parent.glob("*.cpp")):
         raise BuildFailed(
             f"error: board '{plan.board.name}' has no code yet, only its description\n"
-            f"hint: build for another one, such as qemu_f405, or write its board.hpp in "
+            f"hint: build for another one, such as qemu_f405, or write its board.cpp in "
             f"{shown_path(plan.board.file.parent)}"
         )
     names = [key if value == "ON" else f"{key}_{value}" for key, value in variant.items()]

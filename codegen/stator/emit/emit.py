@@ -14,7 +14,7 @@ import jinja2
 
 from stator import HOME
 from stator.diagnostics import Mark, UserError
-from stator.emit import cortex_m, pthread, recording, rows
+from stator.emit import cortex_m, devices, pthread, recording, rows
 from stator.emit import parameters as params
 from stator.emit import tasks as emit_tasks
 from stator.names import snake
@@ -75,6 +75,7 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
         files["executor.cpp"] = _render(
             f"executor_{plan.board.executor}.cpp.j2", graph, tasks=tasks, program=rows.program(plan)
         )
+    files |= _devices(plan)
     files["plan.txt"] = plan_text(plan)
     files["graph.cmake"] = _render("graph.cmake.j2", graph, build=rows.build(plan, files))
     return files
@@ -128,6 +129,17 @@ def _parts(plan: Plan) -> dict[str, str]:
                 failsafe=rows.failsafe(interface, interface.failsafe),
             )
     return files
+
+
+def _devices(plan: Plan) -> dict[str, str]:
+    """What the board's code and the nodes meet at; and what the simulated world feeds, if any."""
+    origin = _start(plan.board.file)
+    row = devices.devices(plan.board)
+    names = ["devices.hpp", "devices.cpp"] if row.devices else ["devices.hpp"]
+    files = {name: _render(f"{name}.j2", origin, board=row) for name in names}
+    fed = devices.sensors(plan.board)
+    names = ["samples.hpp", "sensors.hpp", "hand_over.hpp"] if fed.devices else []
+    return files | {name: _render(f"{name}.j2", origin, board=fed) for name in names}
 
 
 def _cortex_m(plan: Plan, tasks: list[TaskRow]) -> dict[str, str]:

@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from stator.emit import devices
 from stator.emit.rows import pend
-from stator.names import upper_camel
 from stator.plan.plan import owns_its_vector
 
 if TYPE_CHECKING:
@@ -156,8 +156,7 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
     interface = node.interface
     device = plan.board.devices[node.device] if node.device is not None else None
     driver = device.driver if device is not None else ""
-    stem = driver.replace("/", "_") if device is not None else interface.name
-    folder = f"drivers/{driver}" if device is not None else f"apps/{interface.name}"
+    header = f"apps/{interface.name}/{interface.name}" if device is None else devices.header(driver)
     modes = plan.graph.modes
     is_gated = modes is not None and any(node.name in names for names in modes.sets.values())
     is_bound = device is None or driver != "none"
@@ -170,8 +169,10 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
     return TaskRow(
         name=node.name,
         mark=node.mark,
-        header=f"{folder}/{stem}.hpp",
-        class_name=f"{folder.replace('/', '::')}::{upper_camel(stem)}",
+        header=f"{header}.hpp",
+        class_name=f"apps::{interface.name}::{interface.class_name}"
+        if device is None
+        else devices.class_name(driver),
         is_bound=is_bound,
         device=node.device or "",
         ports=f"{interface.namespace}::{interface.class_name}Ports",

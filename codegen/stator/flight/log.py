@@ -75,7 +75,7 @@ def read_truth(path: Path) -> Truth:
 
 
 def read_truth_columns(path: Path) -> dict[str, Floats]:
-    """All that truly happened, by name: boards/sitl/truth.hpp."""
+    """All that truly happened, by name: boards/world/world/truth.hpp."""
     head, _, rows = path.read_bytes().partition(b"\n")
     names = head.decode("ascii", errors="replace").split()
     if not names or not rows or len(rows) % (8 * len(names)) != 0:

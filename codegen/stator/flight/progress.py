@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from rich.progress import Progress, TaskID
 
-# boards/sitl/truth.hpp
+# boards/world/world/truth.hpp
 ROWS_A_SECOND = 100
 NUMBER_BYTES = 8
 PERIOD_S = 0.1

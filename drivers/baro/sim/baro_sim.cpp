@@ -4,11 +4,10 @@
 namespace stator::drivers::baro::sim {
 
 void BaroSim::step(BaroPorts& ports) {
-    if (device_.refresh != nullptr) device_.refresh(device_);
-    const Device sample = device_;
-    if (sample.samples == published_) return;
-    published_ = sample.samples;
-    ports.pressure.publish([&] {
+    const auto [sample, count] = device_.get();
+    if (count == published_) return;
+    published_ = count;
+    ports.pressure.publish([&sample = sample] {
         return SensorBaro{.timestamp_sample = sample.timestamp_sample,
                           .pressure = sample.pressure,
                           .temperature = sample.temperature_degc};

@@ -17,8 +17,7 @@ Warning warning(float remaining, const BatteryParams& params) {
 }  // namespace
 
 void BatterySim::step(BatteryPorts& ports) {
-    if (device_.refresh != nullptr) device_.refresh(device_);
-    const Device battery = device_;
+    const BatterySimSample battery = device_.get().value;
     const bool connected = battery.voltage_v > 0.0F;
     ports.status.publish([&] {
         return BatteryStatus{

@@ -1,22 +1,16 @@
 // The IMU of a simulated board: publishes what the board measured.
 #pragma once
 
-#include <array>
-#include <cstdint>
-
 #include "imu_ports.hpp"
+#include "imu_sim_sample.hpp"
 
 namespace stator::drivers::imu::sim {
 
 class ImuSim {
   public:
-    // The registers of the part. The board writes a sample, then raises data_ready; the next
-    // sample overwrites one that has not been read.
-    struct Device {
-        uint64_t timestamp_sample = 0;   // us
-        std::array<float, 3> gyro_B{};   // rad/s
-        std::array<float, 3> accel_B{};  // m/s^2, specific force
-    };
+    // The registers of the part. The board writes a sample, then raises data_ready; a sample that
+    // nobody read until the next one is gone.
+    using Device = ImuSimSample;
 
     explicit ImuSim(Device& device) : device_(device) {}
     void step(ImuPorts& ports);

@@ -1,20 +1,15 @@
 // The magnetometer of a simulated board: publishes what the board measured.
 #pragma once
 
-#include <array>
-#include <cstdint>
-
 #include "mag_ports.hpp"
+#include "mag_sim_sample.hpp"
 
 namespace stator::drivers::mag::sim {
 
 class MagSim {
   public:
     // The newest sample. The board writes it, then raises data_ready.
-    struct Device {
-        uint64_t timestamp_sample = 0;  // us
-        std::array<float, 3> field_B_gauss{};
-    };
+    using Device = MagSimSample;
 
     explicit MagSim(Device& device) : device_(device) {}
     void step(MagPorts& ports);

@@ -7,13 +7,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "backup.hpp"
-#include "clock_tree.hpp"
-#include "flash.hpp"
-#include "gpio.hpp"
-#include "timer.hpp"
-#include "usart.hpp"
-#include "watchdog.hpp"
+#include "stm32f4/backup.hpp"
+#include "stm32f4/clock_tree.hpp"
+#include "stm32f4/flash.hpp"
+#include "stm32f4/gpio.hpp"
+#include "stm32f4/timer.hpp"
+#include "stm32f4/usart.hpp"
+#include "stm32f4/watchdog.hpp"
 
 namespace stator::stm32f4 {
 namespace {
@@ -125,6 +125,22 @@ TEST(Pin, drives_its_level_before_it_is_an_output) {
     EXPECT_EQ(model.words[0x40020818], 1U << 29);
 }
 
+// 8.4.2: what hangs on an anode at 5 V is never pulled up to 3.3 V.
+TEST(Pin, of_an_open_drain_does_not_drive_high) {
+    RegisterModel model;
+    Pin('E', 12).make_open_drain(true);
+    EXPECT_EQ(model.words[0x40021004], 1U << 12);
+    EXPECT_EQ(model.words[0x40021018], 1U << 12);
+    EXPECT_EQ(model.words[0x40021000], 1U << 24);
+    EXPECT_EQ(model.writes.back().first, 0x40021000U);
+}
+
+TEST(Pin, of_the_backup_supply_is_slow) {
+    RegisterModel model;
+    for (uint32_t number = 12; number < 16; ++number) Pin('C', number).make_output(true);
+    EXPECT_EQ(model.words[0x40020808], 1U << 24);
+}
+
 TEST(Pin, keeps_its_neighbours_functions) {
     RegisterModel model;
     model.words[0x40020C20] = 0x11111111;
@@ -164,8 +180,17 @@ TEST(BackupDomain, is_writable_once_open) {
     BackupDomain().open();
     EXPECT_EQ(model.words[0x40007000], 1U << 8);
     BackupDomain().write(3, 0xCAFE);
-    EXPECT_EQ(model.words[0x4000285C], 0xCAFEU);
+    EXPECT_EQ(model.words[0x40002860], 0xCAFEU);
     EXPECT_EQ(BackupDomain().read(3), 0xCAFEU);
+}
+
+// RTC_BKP0R to RTC_BKP19R.
+TEST(BackupDomain, leaves_the_mailbox_of_the_bootloader_alone) {
+    RegisterModel model;
+    for (unsigned i = 0; i < BackupDomain::kRegisters; ++i) BackupDomain().write(i, 0xB007B007);
+    EXPECT_FALSE(model.words.contains(0x40002850));
+    EXPECT_TRUE(model.words.contains(0x4000289C));
+    EXPECT_FALSE(model.words.contains(0x400028A0));
 }
 
 // 3.9.2 to 3.9.5: locked until both keys came; an operation sets status bits.

@@ -106,7 +106,7 @@ def test_square_home_and_down(seed: int, tmp_path: Path) -> None:
 def assert_hovers(seeds: range, folder: Path) -> None:
     """No flight fails, and the RMS to truth over all of them is under 1.0 m horizontally and 0.5 m
     vertically. A single one may have drifted further: in a minute a satellite fix wanders 0.4 m on
-    each axis and the barometer 0.5 m (boards/sitl/navigation_sensors.hpp), one sigma."""
+    each axis and the barometer 0.5 m (boards/world/world/navigation_sensors.hpp), one sigma."""
     flown = fly_many("hover", seeds, folder, *WINDY)
     assert [(seed, f.problems) for seed, f in flown.items() if f.problems] == []
     for key, most in (("hold_horizontal_rms_m", 1.0), ("hold_vertical_rms_m", 0.5)):

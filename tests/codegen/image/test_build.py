@@ -23,6 +23,6 @@ def test_a_board_without_code_is_refused_before_anything_is_built(
     errors = capsys.readouterr().err
     assert errors.startswith(
         "error: board 'described' has no code yet, only its description\n"
-        "hint: build for another one, such as qemu_f405, or write its board.hpp in "
+        "hint: build for another one, such as qemu_f405, or write its board.cpp in "
     )
     assert not (HOME / "build" / "alone-described").exists()

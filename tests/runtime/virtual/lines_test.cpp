@@ -1,14 +1,9 @@
 // A device's line: when its driver runs, and what is counted when it comes too early.
-#include "board.hpp"
+#include "devices.hpp"
 #include "events.hpp"
 #include "tasks.hpp"
 
 namespace stator {
-
-namespace board {
-drivers::button::test::ButtonTest::Device button0;
-Line button0_pressed;
-}  // namespace board
 
 namespace {
 

@@ -1,7 +1,7 @@
 // What a switch does to the nodes of graphs/modes.yaml: at 55 ms mode `other` begins, at 105 ms
 // mode `one`, and so on.
-#include "events.hpp"
 #include "apps/station/journal.hpp"
+#include "events.hpp"
 #include "tasks.hpp"
 
 namespace stator {

@@ -6,8 +6,8 @@
 #include <sstream>
 #include <vector>
 
-#include "events.hpp"
 #include "apps/station/journal.hpp"
+#include "events.hpp"
 #include "tasks.hpp"
 
 namespace stator {

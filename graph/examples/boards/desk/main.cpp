@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <cstdio>
 
-#include "board.hpp"
+#include "stator/virtual.hpp"
 
 namespace stator::board {
 

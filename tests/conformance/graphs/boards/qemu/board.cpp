@@ -1,8 +1,7 @@
 // Prints the trace on the emulator's console, and ends the program.
-#include "board.hpp"
-
 #include "../../../../../boards/qemu_f405/semihosting.hpp"
 #include "../../../../../boards/qemu_f405/timers.hpp"
+#include "devices.hpp"
 #include "stator/cortex_m.hpp"
 
 namespace stator {
@@ -20,17 +19,15 @@ bool is_pressed = false;
 
 }  // namespace
 
-drivers::button::test::ButtonTest::Device finger0{.press = [] {
-    is_pressed = true;
-    set_pending({kPressedVector / 32, 1U << kPressedVector % 32});
-}};
-drivers::button::test::ButtonTest::Device button0;
-
 uint32_t timer_us() {
     return Clock().us();
 }
 void prepare() {
     Clock().start();
+    finger0.press = [] {
+        is_pressed = true;
+        set_pending({kPressedVector / 32, 1U << kPressedVector % 32});
+    };
 }
 void start() {
     kStepTimer.start();

@@ -6,18 +6,10 @@
 #include <cstdio>
 #include <string>
 
-#include "board.hpp"
+#include "devices.hpp"
 #include "stator/mutex.hpp"
 
 namespace stator {
-
-namespace board {
-
-drivers::button::test::ButtonTest::Device finger0{.press = [] { button0_pressed.raise(); }};
-drivers::button::test::ButtonTest::Device button0;
-Line button0_pressed;
-
-}  // namespace board
 
 namespace {
 
@@ -42,6 +34,7 @@ void trace::write(const char* line, uint64_t now_us) {
 int main() {
     using namespace stator;
     text.reserve(1U << 16);
+    board::finger0.press = [] { board::button0_pressed.raise(); };
     if (!start()) return 1;
     // In the middle of each step there is a moment at which all levels sleep, so that no activation
     // of this step is still to come. One whose release itself is late says so when it writes.

@@ -1,15 +1,11 @@
 // Runs the graph in virtual time and prints the trace.
 #include <cstdio>
 
-#include "board.hpp"
+#include "devices.hpp"
 
 namespace stator {
 
 namespace board {
-
-drivers::button::test::ButtonTest::Device finger0{.press = [] { button0_pressed.raise(); }};
-drivers::button::test::ButtonTest::Device button0;
-Line button0_pressed;
 
 uint64_t next_event_us() {
     return kNever;
@@ -25,6 +21,7 @@ void trace::write(const char* line, uint64_t) {
 }  // namespace stator
 
 int main() {
+    stator::board::finger0.press = [] { stator::board::button0_pressed.raise(); };
     stator::start();
     stator::run_until(stator::trace::kEnd_us);
     return 0;

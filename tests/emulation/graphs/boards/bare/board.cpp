@@ -1,15 +1,11 @@
 // The board of programs that run in the emulator by themselves.
-#include "board.hpp"
-
 #include "../../../../../boards/qemu_f405/semihosting.hpp"
 #include "../../../../../boards/qemu_f405/timers.hpp"
 #include "../../counting.hpp"
+#include "devices.hpp"
 #include "stator/cortex_m.hpp"
 
 namespace stator::board {
-
-drivers::probe::counted::ProbeCounted::Device probe0;
-drivers::storage::sim::StorageSim::Device log_storage;
 
 uint32_t timer_us() {
     return Clock().us();

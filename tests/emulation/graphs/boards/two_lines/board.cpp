@@ -1,14 +1,10 @@
 // Presses the switches at their times, and ends the program.
-#include "board.hpp"
-
 #include "../../../../../boards/qemu_f405/semihosting.hpp"
 #include "../../../../../boards/qemu_f405/timers.hpp"
+#include "devices.hpp"
 #include "stator/cortex_m.hpp"
 
 namespace stator::board {
-
-drivers::contact::test::ContactTest::Device switch0;
-drivers::contact::test::ContactTest::Device switch1;
 
 namespace {
 

@@ -1,0 +1,164 @@
+// The command line of a simulated flight.
+#include "world/options.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "stator/scalar.hpp"
+
+namespace stator::world {
+
+namespace {
+
+constexpr double kLongest_s = 1e6;  // 11 days
+constexpr double kFastest = 1e4;
+constexpr double kStrongest = 50.0;  // m/s, a wind in which nothing flies
+
+bool refuse(const char* option, const char* value, const char* expected) {
+    std::fprintf(stderr, "error: %s '%s': expected %s\n", option, value, expected);
+    return false;
+}
+
+template <class Number>
+bool read_number(std::string_view text, Number& number) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc{} && end == text.data() + text.size();
+}
+
+bool read_duration(const char* text, std::uint64_t& duration_us) {
+    double seconds = 0.0;
+    if (!read_number(text, seconds) || !(seconds > 0.0 && seconds <= kLongest_s)) {
+        return refuse("--duration", text, "a number of seconds, above 0 and at most 1000000");
+    }
+    duration_us = math::saturate<std::uint64_t>(math::round(seconds * 1e6));
+    return true;
+}
+
+bool read_speed(const char* text, double& speed) {
+    if (read_number(text, speed) && speed > 0.0 && speed <= kFastest) return true;
+    return refuse("--speed", text, "a factor above 0 and at most 10000");
+}
+
+bool read_times(const char* text, bool& random_times) {
+    const std::string_view value = text;
+    if (value != "zero" && value != "random") {
+        return refuse("--times", text, "zero or random");
+    }
+    random_times = value == "random";
+    return true;
+}
+
+bool read_path(const char* option, const char* value, const char*& path) {
+    path = value;
+    return *value != '\0' || refuse(option, value, "a file");
+}
+
+bool read_pilot(const char* path, Pilot& pilot) {
+    std::FILE* const file = std::fopen(path, "rb");
+    if (file == nullptr) {
+        std::fprintf(stderr, "error: --pilot '%s': %s\n", path, std::strerror(errno));
+        return false;
+    }
+    std::string script;
+    std::array<char, 4096> part;
+    std::size_t size = 0;
+    while ((size = std::fread(part.data(), 1, part.size(), file)) != 0) {
+        script.append(part.data(), size);
+    }
+    const bool is_read = std::ferror(file) == 0;
+    std::fclose(file);
+    const std::string wrong = is_read ? pilot.follow(script) : "cannot be read";
+    if (wrong.empty()) return true;
+    std::fprintf(stderr, "error: --pilot '%s': %s\n", path, wrong.c_str());
+    return false;
+}
+
+bool add_fault(const char* text, Faults& faults) {
+    if (const auto fault = read_fault(text)) {
+        if (faults.add(*fault)) return true;
+        return refuse("--fail", text, "no more than 16 times");
+    }
+    std::fprintf(stderr,
+                 "error: --fail '%s': expected WHAT@SECONDS or WHAT@SECONDS+SECONDS, where WHAT is "
+                 "one of %s\n",
+                 text, kFaultNames);
+    return false;
+}
+
+bool read_vary(const char* text, bool& vary) {
+    const std::string_view value = text;
+    if (value != "no" && value != "yes") return refuse("--vary", text, "no or yes");
+    vary = value == "yes";
+    return true;
+}
+
+bool read_wind(const char* text, double& speed) {
+    return (read_number(text, speed) && speed >= 0.0 && speed <= kStrongest) ||
+           refuse("--wind", text, "a number of m/s from 0 to 50");
+}
+
+bool read_direction(const char* text, double& from) {
+    double degrees = 0.0;
+    if (!read_number(text, degrees) || !(degrees >= -360.0 && degrees <= 360.0)) {
+        return refuse("--wind-from", text, "a number of degrees from -360 to 360");
+    }
+    from = degrees * (math::kPi<double> / 180.0);
+    return true;
+}
+
+bool read_gusts(const char* text, Gusts& gusts) {
+    constexpr std::array<std::string_view, 4> kNames{"none", "light", "moderate", "severe"};
+    const auto* const found = std::find(kNames.begin(), kNames.end(), text);
+    if (found == kNames.end()) {
+        return refuse("--gusts", text, "none, light, moderate or severe");
+    }
+    gusts = static_cast<Gusts>(found - kNames.begin());
+    return true;
+}
+
+bool read_value(std::string_view option, const char* value, Options& options) {
+    if (option == "--log") return read_path("--log", value, options.log);
+    if (option == "--truth") return read_path("--truth", value, options.truth);
+    if (option == "--mission") return read_path("--mission", value, options.mission);
+    if (option == "--speed") return read_speed(value, options.speed);
+    if (option == "--pilot") return read_pilot(value, options.conditions.pilot);
+    if (option == "--seed") {
+        return read_number(value, options.conditions.seed) ||
+               refuse("--seed", value, "a whole number from 0 to 18446744073709551615");
+    }
+    if (option == "--duration") return read_duration(value, options.duration_us);
+    if (option == "--times") return read_times(value, options.random_times);
+    if (option == "--budgets") return read_path("--budgets", value, options.budgets);
+    if (option == "--vary") return read_vary(value, options.conditions.vary);
+    if (option == "--wind") return read_wind(value, options.conditions.wind.speed);
+    if (option == "--wind-from") return read_direction(value, options.conditions.wind.from);
+    if (option == "--gusts") return read_gusts(value, options.conditions.wind.gusts);
+    if (option == "--fail") return add_fault(value, options.conditions.faults);
+    std::fprintf(stderr,
+                 "error: unknown argument '%s': known are --log FILE, --truth FILE, --seed N, "
+                 "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
+                 "--wind M_S, "
+                 "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
+                 "--pilot FILE, --mission FILE, --speed FACTOR\n",
+                 option.data());
+    return false;
+}
+
+}  // namespace
+
+bool parse(int count, const char* const* arguments, Options& options) {
+    for (int i = 1; i < count; i += 2) {
+        // Past the last argument stands a null pointer.
+        const char* const value = i + 1 < count ? arguments[i + 1] : "";
+        if (!read_value(arguments[i], value, options)) return false;
+    }
+    return true;
+}
+
+}  // namespace stator::world

@@ -1,0 +1,24 @@
+// The command line of a simulated flight.
+#pragma once
+
+#include <cstdint>
+
+#include "world/conditions.hpp"
+
+namespace stator::world {
+
+struct Options {
+    const char* log = nullptr;                // file for the flight log; none: no log
+    const char* truth = nullptr;              // file for the true flight; none: no truth
+    const char* mission = nullptr;            // file of the mission; none: no mission
+    std::uint64_t duration_us = 120'000'000;  // at most
+    double speed = 0.0;  // at most so many times real time; 0: as fast as it goes
+    bool random_times = false;
+    const char* budgets = nullptr;  // TASK=MICROSECONDS, with commas; none: activations take none
+    Conditions conditions{};
+};
+
+// False after one line on the standard error output that says what is wrong.
+[[nodiscard]] bool parse(int count, const char* const* arguments, Options& options);
+
+}  // namespace stator::world

@@ -1,0 +1,14 @@
+// One sample of the simulated magnetometer: from the world to the driver.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace stator::drivers::mag::sim {
+
+struct MagSimSample {
+    uint64_t timestamp_sample = 0;  // us
+    std::array<float, 3> field_B_gauss{};
+};
+
+}  // namespace stator::drivers::mag::sim

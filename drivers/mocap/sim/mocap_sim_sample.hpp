@@ -1,0 +1,15 @@
+// One measurement of the simulated motion capture: from the world to the driver.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace stator::drivers::mocap::sim {
+
+struct MocapSimSample {
+    uint64_t timestamp_sample = 0;      // us, of the picture, not of its arrival
+    std::array<float, 3> position_N{};  // m
+    float yaw = 0.0F;                   // rad
+};
+
+}  // namespace stator::drivers::mocap::sim

@@ -1,0 +1,36 @@
+// The simulated radio receiver as a part of the world: the pilot has the transmitter.
+#pragma once
+
+#include <optional>
+
+#include "radio_sim_sample.hpp"
+#include "world/world.hpp"
+
+namespace stator::drivers::radio::sim {
+
+class RadioSimWorld {
+  public:
+    explicit RadioSimWorld(const world::World&) {}
+
+    std::optional<RadioSimSample> measure(const world::World& world) {
+        if (!timer_.take(world.time_us())) return {};
+        const bool is_heard = !world.has_fault(world::FaultKind::kRcLoss);
+        if (is_heard) hands_ = world.conditions().pilot.frame(world.time_us());
+        return RadioSimSample{.timestamp_sample = world.time_us(),
+                              .roll = hands_.roll,
+                              .pitch = hands_.pitch,
+                              .yaw = hands_.yaw,
+                              .throttle = hands_.throttle,
+                              .mode_slot = hands_.mode_slot,
+                              .is_heard = is_heard,
+                              .arm = hands_.arm,
+                              .return_home = hands_.return_home,
+                              .kill = hands_.kill};
+    }
+
+  private:
+    world::PilotFrame hands_{};  // the newest ones heard
+    world::Timer timer_{.period_us = world::Pilot::kPeriod_us};
+};
+
+}  // namespace stator::drivers::radio::sim

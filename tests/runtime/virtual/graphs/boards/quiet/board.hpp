@@ -1,4 +1,0 @@
-// No device to connect.
-#pragma once
-
-#include "stator/virtual.hpp"
