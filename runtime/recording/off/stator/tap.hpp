@@ -18,6 +18,8 @@ class Tap {
 
 class Taps {
   public:
+    template <class... Parts>
+    void connect(Parts&&...) {}
     Tap at(size_t) const { return {}; }
 };
 
