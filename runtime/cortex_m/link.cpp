@@ -34,6 +34,12 @@ void put_sample(Writer& out, unsigned index) {
     out.put(uint32_t{0});
 }
 
+TaskCounters figures_of(unsigned task) {
+    return figures_below_tasks(*program.tasks[task].counters, [](const uint32_t& counter) {
+        return __atomic_load_n(&counter, __ATOMIC_RELAXED);
+    });
+}
+
 size_t answer(const uint8_t* request, size_t count, uint8_t* body) {
     Writer out(body);
     Asked asked;
@@ -44,7 +50,7 @@ size_t answer(const uint8_t* request, size_t count, uint8_t* body) {
                      static_cast<uint8_t>(last_fault_record.cause));
             return out.count();
         case Request::kTasks:
-            put_tasks(out, program, clock_us(), asked.argument);
+            put_tasks(out, program, clock_us(), asked.argument, figures_of);
             return out.count();
         case Request::kSample:
             if (asked.argument >= program.topic_count) return 0;

@@ -52,6 +52,9 @@ bool is_any_level_busy();         // two looks: true unless all slept in between
 void stop_level(unsigned level);  // once its task has ended
 // False if it has not ended at time `end_us`: then its thread stays.
 [[nodiscard]] bool join_level(unsigned level, uint64_t end_us);
+// What the task had counted at the end of its newest activation. A level needs some nanoseconds to
+// write that; meanwhile, this waits. Context: a thread less urgent than all levels.
+TaskCounters figures_of(unsigned task);
 
 // --- link.cpp: of the thread that waits for the end ---
 

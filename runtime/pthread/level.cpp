@@ -1,6 +1,7 @@
 // Threads of levels: each runs the tasks of its pending word, most urgent bit first, makes its own
 // periodic releases, and sleeps on that word.
 #include <linux/futex.h>
+#include <sched.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <cstdio>
 #include <ctime>
 
+#include "figures.hpp"
 #include "internal.hpp"
 
 namespace stator {
@@ -81,6 +83,7 @@ class LevelThread {
     std::atomic<bool> has_ended_{false};
 };
 std::array<LevelThread, kMaxLevels> threads;
+std::array<Figures, kMaxLevels * kMaxTasksOfLevel> figures;  // by task
 
 bool LevelThread::create(unsigned level) {
     place_ = level;
@@ -139,9 +142,11 @@ void LevelThread::run_task(unsigned index) {
     // Before the task runs, so that what is published from here on pends it again. Acquire: it sees
     // what was published before the bit was set. Relaxed, or cleared after the run, loses samples.
     word_->fetch_and(~(1U << index), std::memory_order_acquire);
-    const Task& task = program.tasks[level_->first_task + index];
+    const unsigned place = level_->first_task + index;
+    const Task& task = program.tasks[place];
     running_.store(&task, std::memory_order_relaxed);
     task.run();
+    figures[place].keep(*task.counters);
     for (unsigned i = 0; i < task.line_count; ++i) task.lines[i]->finish_activation();
     running_.store(nullptr, std::memory_order_relaxed);
 }
@@ -247,6 +252,12 @@ bool join_level(unsigned level, uint64_t end_us) {
 
 LevelFacts facts_of_level(unsigned level) {
     return threads[level].has_ended() ? threads[level].facts() : LevelFacts{};
+}
+
+TaskCounters figures_of(unsigned task) {
+    TaskCounters counters;
+    while (!figures[task].read(counters)) sched_yield();
+    return counters;
 }
 
 const Task* unended_task(unsigned level) {

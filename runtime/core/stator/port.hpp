@@ -70,7 +70,7 @@ class Input {
     }
 
     // --- for generated wrappers ---
-    // `marks`: a publisher outranks the reader (topic.hpp).
+    // `marks`: a publisher outranks the reader (one_core_topic.hpp).
 
     // Where what this port takes is recorded; nothing in builds that do not record.
     Tap& tap() { return tap_; }

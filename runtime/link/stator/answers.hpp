@@ -79,6 +79,8 @@ void put_info(Writer& out, const Program& graph, const TickSource& ticks, uint64
     out.text(graph.board);
 }
 
+static_assert(sizeof(TaskCounters) == 6 * sizeof(uint32_t));  // as the answer tells them
+
 inline uint32_t missed_life_signs_of(unsigned task, const Watched* rows, unsigned count) {
     for (unsigned i = 0; i < count; ++i) {
         if (rows[i].task == task) return rows[i].state->missed;
@@ -86,23 +88,34 @@ inline uint32_t missed_life_signs_of(unsigned task, const Watched* rows, unsigne
     return 0;
 }
 
-// A task may count meanwhile, so that one figure is of an activation later than another. Relaxed:
-// each is a figure of its own, and nothing is read because of it.
-template <class Program>
-void put_tasks(Writer& out, const Program& graph, uint64_t now_us, unsigned first) {
-    const auto figure = [&out](const uint32_t& counter) {
-        out.put(__atomic_load_n(&counter, __ATOMIC_RELAXED));
-    };
+// What a task has counted, as it was between two activations. For a reader below all tasks of one
+// core: a task that comes in between has ended when the reader goes on, and is seen by its count.
+// `load` reads one counter. After so many tries, the last copy counts, which may be of two
+// activations.
+template <class Load>
+TaskCounters figures_below_tasks(const TaskCounters& counters, Load load) {
+    constexpr unsigned kMaxTries = 8;
+    TaskCounters copy;
+    for (unsigned i = 0; i < kMaxTries; ++i) {
+        copy = {.activations = load(counters.activations),
+                .lost_samples = load(counters.lost_samples),
+                .ticks = load(counters.ticks),
+                .last_ticks = load(counters.last_ticks),
+                .most_ticks = load(counters.most_ticks),
+                .latest_us = load(counters.latest_us)};
+        if (load(counters.activations) == copy.activations) break;
+    }
+    return copy;
+}
+
+// `figures_of`: from a task's index to its counters between two activations.
+template <class Program, class FiguresOf>
+void put_tasks(Writer& out, const Program& graph, uint64_t now_us, unsigned first,
+               FiguresOf figures_of) {
     out.put(now_us);
     out.put(static_cast<uint16_t>(first));
     for (unsigned i = first; i < std::min(first + kMaxTasksTold, graph.task_count); ++i) {
-        const TaskCounters& counters = *graph.tasks[i].counters;
-        figure(counters.activations);
-        figure(counters.lost_samples);
-        figure(counters.ticks);
-        figure(counters.last_ticks);
-        figure(counters.most_ticks);
-        figure(counters.latest_us);
+        out.put(figures_of(i));
         out.put(missed_life_signs_of(i, graph.watched, graph.watched_count));
     }
 }

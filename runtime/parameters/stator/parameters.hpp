@@ -81,7 +81,7 @@ inline void write_parameter(const ParameterRow& row, void* sample, ParameterBits
     }
 }
 
-// The parameters of one node. `keep`: as in topic.hpp.
+// The parameters of one node. `keep`: as in one_core_topic.hpp.
 struct ParameterTopic {
     const Topic* topic;
     bool keep;

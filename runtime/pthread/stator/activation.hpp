@@ -13,13 +13,10 @@ namespace stator {
 uint64_t clock_us();
 uint64_t thread_cpu_ns();
 
-// Counters are written by their level's thread alone and read by the monitor's. Relaxed: each is a
-// figure of its own, and nothing is read because of it.
-inline void note(uint32_t& counter, uint32_t value) {
-    __atomic_store_n(&counter, value, __ATOMIC_RELAXED);
-}
+// Written by the level's thread alone; the monitor's looks at the activations meanwhile. Relaxed:
+// nothing else is read because of it.
 inline void add_to_counter(uint32_t& counter, uint32_t more) {
-    note(counter, counter + more);
+    __atomic_store_n(&counter, counter + more, __ATOMIC_RELAXED);
 }
 
 #ifdef STATOR_COUNTERS
@@ -32,15 +29,15 @@ class Activation {
     void finish() {
         constexpr uint64_t kMax = std::numeric_limits<uint32_t>::max();
         const auto own_ns = static_cast<uint32_t>(std::min(thread_cpu_ns() - begin_ns_, kMax));
-        add_to_counter(counters_.ticks, own_ns);
-        note(counters_.last_ticks, own_ns);
-        if (own_ns > counters_.most_ticks) note(counters_.most_ticks, own_ns);
+        counters_.ticks += own_ns;
+        counters_.last_ticks = own_ns;
+        counters_.most_ticks = std::max(counters_.most_ticks, own_ns);
     }
     // Where the graph has a deadline, or a chain ends.
     void finish(uint64_t now_us) {
         finish();
         const auto late_us = static_cast<uint32_t>(clock_us() - now_us);
-        if (late_us > counters_.latest_us) note(counters_.latest_us, late_us);
+        counters_.latest_us = std::max(counters_.latest_us, late_us);
     }
 
   private:

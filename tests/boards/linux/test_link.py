@@ -125,7 +125,9 @@ def test_perf_sets_bounds_beside_figures(
     responses = {row["task"]: row["response_max_us"] for row in facts["tasks"]}
     assert chain["latency_max_us"] == responses["motors"]
     assert responses["imu0"] is None  # nothing in the graph is about its end
-    assert 0 < responses["rate_control"] <= responses["motors"]
+    # Which of the two is longer is open: a task may end after those that it woke.
+    assert responses["rate_control"] > 0
+    assert responses["motors"] > 0
     assert "gyro_to_motor" in ask(capsys, "perf", *place)
 
 

@@ -49,5 +49,5 @@ def test_a_damaged_frame_is_no_frame(body: bytes, data: st.DataObject) -> None:
 
 
 def test_the_bytes_that_the_firmware_makes() -> None:
-    """As tests/runtime/core/link_test.cpp has them. CRC-32 of "123456789": 0xCBF43926."""
+    """As tests/runtime/link/link_test.cpp has them. CRC-32 of "123456789": 0xCBF43926."""
     assert frame(b"123456789").hex() == "0e3132333435363738392639f4cb00"

@@ -4,10 +4,11 @@
 // that silent ones keep their storage.
 //
 // An input is a list of records (fuzz_record.hpp). With STATOR_FUZZ_COUNTS in the environment, the
-// program says at its end what it has seen.
-#include <atomic>
+// program says at its end what it has seen; with STATOR_FUZZ_NEIGHBOUR, another thread allocates
+// all the time, as the fuzzer's own threads do now and then.
 #include <cstdio>
 #include <cstdlib>
+#include <thread>
 
 #include "every_type.hpp"
 #include "fuzz_record.hpp"
@@ -31,7 +32,7 @@ constexpr std::uint8_t kNewNode = 99;
 constexpr int kMostAllowed = 119;
 using Good = equipment::esc::Status;
 
-std::atomic<std::uint64_t> allocations{0};
+constinit thread_local std::uint64_t allocations = 0;  // of this thread
 struct {
     std::uint64_t starts = 0;  // first frames of transfers
     std::uint64_t transfers = 0;
@@ -40,6 +41,8 @@ struct {
     std::array<std::uint64_t, kTypes> decoded{};
     std::array<std::uint64_t, kTypes> undecodable{};
 } seen;
+
+void* volatile escaped;  // so that the compiler leaves no allocation out
 
 void require(bool condition) {
     if (!condition) std::abort();
@@ -149,6 +152,15 @@ void print_counts() {
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
     __sanitizer_install_malloc_and_free_hooks(
         [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
+    if (std::getenv("STATOR_FUZZ_NEIGHBOUR") != nullptr) {
+        std::thread([] {
+            for (;;) {
+                void* const bytes = std::malloc(8);
+                escaped = bytes;
+                std::free(bytes);
+            }
+        }).detach();
+    }
     if (std::getenv("STATOR_FUZZ_COUNTS") != nullptr) std::atexit(print_counts);
     return 0;
 }

@@ -39,12 +39,12 @@ def fuzzer() -> Path:
     return program
 
 
-def run(fuzzer: Path, *arguments: str) -> Counts:
+def run(fuzzer: Path, *arguments: str, **environment: str) -> Counts:
     """What the program says at its end that it has seen."""
     finished = subprocess.run(
         [str(fuzzer), f"-max_len={LONGEST_INPUT}", *arguments],
         cwd=BUILD,
-        env=os.environ | {"STATOR_FUZZ_COUNTS": "1"},
+        env=os.environ | {"STATOR_FUZZ_COUNTS": "1"} | environment,
         capture_output=True,
         text=True,
         check=False,
@@ -66,8 +66,12 @@ def test_what_was_once_found(fuzzer: Path) -> None:
     run(fuzzer, "-runs=0", str(HERE / "found"), str(BUILD / "seeds"))
 
 
-def test_ten_seconds_of_fuzzing(fuzzer: Path) -> None:
-    counts = run(fuzzer, "-seed=1", "-max_total_time=10", corpus(), str(BUILD / "seeds"))
+def test_allocations_of_other_threads_do_not_count(fuzzer: Path) -> None:
+    run(fuzzer, "-runs=0", str(BUILD / "seeds"), STATOR_FUZZ_NEIGHBOUR="1")
+
+
+def test_fifty_thousand_inputs(fuzzer: Path) -> None:
+    counts = run(fuzzer, "-seed=1", "-runs=50000", corpus(), str(BUILD / "seeds"))
     # Good transfers and such as are none, of each type but the one without any bits.
     assert len(counts["decoded"]) > len(TYPES)
     assert all(counts["decoded"]), counts

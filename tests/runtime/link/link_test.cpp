@@ -140,6 +140,9 @@ struct ManyTasks {
             rows[i].counters = &counters[i];
         }
     }
+    auto figures_of() const {
+        return [this](unsigned task) { return counters[task]; };
+    }
 };
 
 TEST(Answers, bring_every_task_in_as_many_answers_as_it_takes) {
@@ -148,7 +151,7 @@ TEST(Answers, bring_every_task_in_as_many_answers_as_it_takes) {
     for (unsigned first = 0; first < ManyTasks::kCount; first += kMaxTasksTold) {
         Bytes body(Link::kMaxAnswer);
         Writer out(body.data());
-        put_tasks(out, program, 77, first);
+        put_tasks(out, program, 77, first, program.figures_of());
         ASSERT_LE(out.count(), body.size());
         for (size_t at = 10; at < out.count(); at += 28, ++told) {
             std::array<uint32_t, 7> row{};
@@ -160,12 +163,37 @@ TEST(Answers, bring_every_task_in_as_many_answers_as_it_takes) {
     EXPECT_EQ(told, ManyTasks::kCount);
 }
 
+// A task that comes between two loads, and counts to its end before the reader goes on.
+TEST(Answers, tell_figures_of_one_activation) {
+    for (unsigned comes_at = 1; comes_at <= 7; ++comes_at) {
+        TaskCounters counters{1, 1, 1, 1, 1, 1};
+        unsigned loads = 0;
+        const TaskCounters told = figures_below_tasks(counters, [&](const uint32_t& counter) {
+            if (++loads == comes_at) counters = {2, 2, 2, 2, 2, 2};
+            return counter;
+        });
+        const uint32_t count = told.activations;
+        EXPECT_TRUE(told.lost_samples == count && told.ticks == count && told.last_ticks == count &&
+                    told.most_ticks == count && told.latest_us == count)
+            << "came at load " << comes_at;
+    }
+}
+
+TEST(Answers, come_to_an_end_however_often_a_task_comes_in_between) {
+    TaskCounters counters;
+    const TaskCounters told = figures_below_tasks(counters, [&](const uint32_t& counter) {
+        counters.activations += 1;
+        return counter;
+    });
+    EXPECT_NE(told.activations, 0U);
+}
+
 TEST(Answers, say_nothing_of_tasks_that_there_are_not) {
     const ManyTasks program;
     for (const unsigned first : {ManyTasks::kCount, 65'535U}) {
         Bytes body(Link::kMaxAnswer);
         Writer out(body.data());
-        put_tasks(out, program, 77, first);
+        put_tasks(out, program, 77, first, program.figures_of());
         EXPECT_EQ(out.count(), 10U);
     }
 }

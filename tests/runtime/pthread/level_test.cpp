@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "figures.hpp"
 #include "internal.hpp"
 #include "program.hpp"
 
@@ -36,6 +37,46 @@ TEST_F(LevelTest, tasks_of_a_level_run_in_planned_order_and_to_completion) {
     ASSERT_TRUE(wait_until_idle(testing::kForever_us));
     EXPECT_TRUE(finish());
     EXPECT_EQ(order, "ababab") << "the first bit first, peers after the job";
+}
+
+// The link looks while the task is in the middle of counting.
+TEST_F(LevelTest, figures_are_of_whole_activations) {
+    TaskCounters& counters = *program.tasks[0].counters;
+    std::atomic<bool> is_in_the_middle{false};
+    std::atomic<bool> may_end{false};
+    jobs[0] = [&] {
+        counters.activations = 1;
+        is_in_the_middle.store(true);
+        while (!may_end.load()) std::this_thread::yield();
+        counters.last_ticks = 1;
+    };
+    set_pending(kPends[0]);
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(wait_for([&] { return is_in_the_middle.load(); }));
+    EXPECT_EQ(figures_of(0).activations, 0U);
+    may_end.store(true);
+    ASSERT_TRUE(wait_until_idle(testing::kForever_us));
+    EXPECT_EQ(figures_of(0).activations, 1U);
+    EXPECT_EQ(figures_of(0).last_ticks, 1U);
+    EXPECT_TRUE(finish());
+}
+
+TEST(FiguresTest, a_reader_never_sees_two_activations) {
+    Figures figures;
+    std::thread level([&] {
+        for (uint32_t i = 1; i <= 300'000; ++i) figures.keep({i, i, i, i, i, i});
+    });
+    unsigned torn = 0;
+    for (TaskCounters seen; seen.activations != 300'000;) {
+        if (!figures.read(seen)) continue;
+        const uint32_t count = seen.activations;
+        torn += seen.lost_samples != count || seen.ticks != count || seen.last_ticks != count ||
+                        seen.most_ticks != count || seen.latest_us != count
+                    ? 1U
+                    : 0U;
+    }
+    level.join();
+    EXPECT_EQ(torn, 0U);
 }
 
 // Each pend comes after a count; whoever is pended last sees the last count.

@@ -19,7 +19,7 @@ class Tap {
 class Taps {
   public:
     template <class... Parts>
-    void connect(const Parts&...) {}
+    void connect(Parts&&...) {}
     Tap at(size_t) const { return {}; }
 };
 
