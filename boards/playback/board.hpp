@@ -22,7 +22,7 @@ extern BaroRecording::Device baro0;
 extern NonvolatileSim::Device nonvolatile0;  // there is none: loading fails
 extern StorageFile::Device log_storage;
 
-// Before the graph starts: what to replay. It must outlive the run.
-void replay(const Recording& chosen);
+// Before the graph starts: what to play. It must outlive the run.
+void play(const Recording& chosen);
 
 }  // namespace stator::board
