@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from stator.library import HOME
+from stator import HOME
 
 FOLDERS = ("apps", "boards", "codegen", "docs", "drivers", "graph", "runtime", "tests")
 ROOT = (HOME / "README.md", HOME / "CHANGELOG.md")
+ROOMS = sorted(path.parent for path in (HOME / "codegen" / "stator").glob("*/__init__.py"))
 DECISIONS = HOME / "docs" / "decisions"
 DOCUMENTS = [
     path
@@ -94,3 +95,8 @@ def test_the_index_has_every_decision_by_number_and_title() -> None:
     assert [(row[0], row[1], row[2]) for row in rows] == [
         (file.name[:4], file.name, title) for file, title in zip(files, titles, strict=True)
     ]
+
+
+@pytest.mark.parametrize("room", ROOMS, ids=name_of)
+def test_each_room_of_the_compiler_says_what_lives_there(room: Path) -> None:
+    assert (room / "README.md").is_file()
