@@ -1,4 +1,4 @@
-"""Recordings of flights in the formats of other projects, as rows that the board `playback` plays."""
+"""Recordings of flights in the formats of other projects, as rows for the board `playback`."""
 
 from __future__ import annotations
 
