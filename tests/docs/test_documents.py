@@ -26,6 +26,8 @@ AVOIDED = re.compile(
     r"|round for ever|stands? here|but for|outlives?)\b",
     re.IGNORECASE,
 )
+PATH = re.compile(rf"`((?:{'|'.join(FOLDERS)})/[\w./*-]+)`")
+PLACEHOLDER = re.compile(r"[A-Z]{3,}")  # boards/NAME
 LINK = re.compile(r"\]\(([^)#:\s]*)(#[^)\s]+)?\)")
 
 
@@ -63,6 +65,13 @@ def test_links_lead_somewhere(path: Path) -> None:
         assert file.exists(), target
         if anchor:
             assert anchor in anchors(file), f"{target}{anchor}"
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=name_of)
+def test_files_that_are_named_exist(path: Path) -> None:
+    named = set(PATH.findall(path.read_text(encoding="utf-8")))
+    missing = {n for n in named if not PLACEHOLDER.search(n) and not list(HOME.glob(n))}
+    assert not missing
 
 
 @pytest.mark.parametrize("path", DOCUMENTS, ids=name_of)
