@@ -79,7 +79,7 @@ def main(arguments: argparse.Namespace) -> int:
         scores, peers = score(arguments.folder)
     except subprocess.CalledProcessError as problem:
         raise UserError(
-            f"error: the replay ended with status {problem.returncode}\nhint: its message is above"
+            f"error: playback ended with status {problem.returncode}\nhint: its message is above"
         ) from None
     mean = mean_of("mean", scores)
     if arguments.json:

@@ -9,16 +9,19 @@ from typing import TYPE_CHECKING
 
 from stator.graph.model import Failsafe
 from stator.language.nested import Key, Listing, Struct, Table
-from stator.language.shapes import NAME_PATTERN, Record, Text, items, quoted
+from stator.language.shapes import NAME_PATTERN, Leaf, Record, Text, items, quoted
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from stator.diagnostics import Report
+    from stator.diagnostics import Mark, Report
     from stator.graph.model import Message
     from stator.graph.sources import Sources
 
+    Cells = dict[str, dict[str, Leaf]]  # mode -> event -> the mode that follows, or GO_ON
+
 GO_ON = "go_on"
+HEADER = "event"  # the row of the table that names its columns
 # The message whose enumerations name modes and events, and those fields.
 STATUS, MODES, EVENTS = "VehicleStatus", "nav_state", "failsafe_event"
 
@@ -35,8 +38,9 @@ SHAPE = Struct(
         ),
         "needs": Key(Table(_WORDS, "a mode", NAME_PATTERN), "What each mode needs.", required=True),
         "table": Key(
-            Table(Table(_WORD, "an event", NAME_PATTERN), "a mode", NAME_PATTERN),
-            "Mode: {event: mode}; go_on: no other mode.",
+            Table(_WORDS, "a mode", NAME_PATTERN),
+            "One row a mode, one column an event: the mode that follows; go_on: no other mode. "
+            "The row `event` names the columns.",
             required=True,
         ),
     }
@@ -53,19 +57,13 @@ def read_failsafe(sources: Sources, path: Path, status: Message) -> Failsafe | N
     modes, events = _values(status, MODES), _values(status, EVENTS)[1:]
     _check_events(record, events, report)
     _check_keys(record.get("needs"), "needs", modes, "mode", report)
-    _check_keys(record.get("table"), "table", modes, "mode", report)
-    for mode, row in items(record, "table"):
-        _check_keys(row, mode, events, "event", report)
-        for leaf in row.values.values():
-            if leaf.value not in (*modes, GO_ON):
-                hint = report.nearest(leaf.value, [*modes, GO_ON])
-                report.error(leaf.mark, "failsafe-total", f"no mode {quoted(leaf.value)}", hint)
+    cells = _cells(record.get("table"), modes, events, report)
     if len(report) > count:
         return None
-    _check_circles(record, modes, report)
+    _check_circles(cells, modes, report)
     if len(report) == count:
-        _check_needs(record, modes, events, report)
-    rows = tuple(tuple(_next(record, m, e) for e in events) for m in modes)
+        _check_needs(record, cells, modes, events, report)
+    rows = tuple(tuple(_next(cells, m, e) for e in events) for m in modes)
     return None if len(report) > count else Failsafe(path, modes, events, rows)
 
 
@@ -99,29 +97,62 @@ def _check_keys(
             report.error(
                 table.owner,
                 "failsafe-total",
-                f"'{name}' says nothing of the {what} '{key}'",
-                "every mode and every event has its place; write go_on where nothing happens"
-                if name not in ("events", "needs")
-                else f"add a line for {key}",
+                f"'{name}' has no row '{key}'",
+                f"add a row for {key}",
             )
 
 
-def _next(record: Record, mode: str, event: str) -> str:
-    into: str = record.get("table").values[mode].values[event].value
+def _cells(table: Record, modes: tuple[str, ...], events: tuple[str, ...], report: Report) -> Cells:
+    """The cells of the table, each under its column; reports what is missing or unknown."""
+    header = table.get(HEADER)
+    columns = () if header is None else tuple(leaf.value for leaf in header.value)
+    if columns != events:
+        report.error(
+            table.keys.get(HEADER, table.owner),
+            "failsafe-total",
+            f"expected the columns {', '.join(events)}; found {', '.join(columns) or 'none'}",
+            f"write {HEADER}: [{', '.join(events)}]",
+        )
+    rows = {key: value for key, value in table.values.items() if key != HEADER}
+    marks = {key: mark for key, mark in table.keys.items() if key != HEADER}
+    _check_keys(table._replace(keys=marks), "table", modes, "mode", report)
+    for mode, row in rows.items():
+        _check_row(marks[mode], row.value, modes, events, report)
+    return {mode: dict(zip(events, row.value, strict=False)) for mode, row in rows.items()}
+
+
+def _check_row(
+    mark: Mark, row: list[Leaf], modes: tuple[str, ...], events: tuple[str, ...], report: Report
+) -> None:
+    if len(row) != len(events):
+        report.error(
+            mark,
+            "failsafe-total",
+            f"expected {len(events)} modes, one for each event, found {len(row)}",
+            f"the columns are {', '.join(events)}; write {GO_ON} where the mode stays",
+        )
+    for leaf in row:
+        if leaf.value not in (*modes, GO_ON):
+            hint = report.nearest(leaf.value, [*modes, GO_ON])
+            report.error(leaf.mark, "failsafe-total", f"no mode {quoted(leaf.value)}", hint)
+
+
+def _next(cells: Cells, mode: str, event: str) -> str:
+    into: str = cells[mode][event].value
     return mode if into == GO_ON else into
 
 
-def _check_circles(record: Record, modes: tuple[str, ...], report: Report) -> None:
+def _check_circles(cells: Cells, modes: tuple[str, ...], report: Report) -> None:
     """No way along the table, whatever happens, comes back to a mode that it has left."""
     ways: dict[str, dict[str, str]] = {mode: {} for mode in modes}  # to, by which event
-    for mode, row in items(record, "table"):
-        for event in row.values:
-            if _next(record, mode, event) != mode:
-                ways[mode].setdefault(_next(record, mode, event), event)
+    for mode, row in cells.items():
+        for event in row:
+            if _next(cells, mode, event) != mode:
+                ways[mode].setdefault(_next(cells, mode, event), event)
     done: set[str] = set()
     for first in modes:
         path: list[str] = []
-        _walk(first, path, done, ways, record, report)
+        _walk(first, path, done, ways, cells, report)
 
 
 def _walk(
@@ -129,14 +160,14 @@ def _walk(
     path: list[str],
     done: set[str],
     ways: dict[str, dict[str, str]],
-    record: Record,
+    cells: Cells,
     report: Report,
 ) -> None:
     if mode in path:
         event = ways[path[-1]][mode]
         circle = " -> ".join([*path[path.index(mode) :], mode])
         report.error(
-            record.get("table").values[path[-1]].values[event].mark,
+            cells[path[-1]][event].mark,
             "failsafe-circle",
             f"the modes could go round for ever: {circle}",
             "a failsafe leads down, never back; write another mode here, or go_on",
@@ -146,7 +177,7 @@ def _walk(
         return
     path.append(mode)
     for following in ways[mode]:
-        _walk(following, path, done, ways, record, report)
+        _walk(following, path, done, ways, cells, report)
     path.pop()
     done.add(mode)
 
@@ -161,10 +192,10 @@ def settle(next_mode: dict[tuple[str, str], str], mode: str, active: list[str]) 
 
 
 def _check_needs(
-    record: Record, modes: tuple[str, ...], events: tuple[str, ...], report: Report
+    record: Record, cells: Cells, modes: tuple[str, ...], events: tuple[str, ...], report: Report
 ) -> None:
     """In no mode where the table comes to rest is that missing which the mode needs."""
-    next_mode = {(m, e): _next(record, m, e) for m in modes for e in events}
+    next_mode = {(m, e): _next(cells, m, e) for m in modes for e in events}
     needs = {m: {leaf.value for leaf in words.value} for m, words in items(record, "needs")}
     takes: dict[str, set[str]] = {}
     for event, value in items(record, "events"):
@@ -178,7 +209,7 @@ def _check_needs(
             if not missing:
                 continue
             report.error(
-                record.get("table").values[end].values[event].mark,
+                cells[end][event].mark,
                 "failsafe-needs",
                 f"{end} needs {', '.join(sorted(missing))}, which {event} takes away, "
                 "and with it the table ends here",

@@ -18,7 +18,7 @@ from stator import HOME
 from stator.score.recordings import COLUMNS, IMU, MAG, RecordingError, write_rows
 
 GRAPH = HOME / "graph" / "attitude_recording.yaml"
-BOARD = "replay"
+BOARD = "playback"
 SUFFIX = ".f32.gz"
 PLANES = 14  # gyro, accelerometer, magnetometer (xyz each), true attitude (wxyz), moving
 PERIOD_US = 3500
@@ -146,7 +146,7 @@ def estimate(program: Path, data: bytes, samples: int) -> Array:
 
 
 def rows_of(data: bytes) -> Array:
-    """For the board `replay`: in each period both devices have a sample."""
+    """For the board `playback`: in each period both devices have a sample."""
     planes = np.frombuffer(data, "<f4").reshape(PLANES, -1)
     times_us = (np.arange(planes.shape[1]) + 1) * float(PERIOD_US)
     gauss = planes[6:9] * np.float32(0.01)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 GRAPH = HOME / "graph" / "navigation_recording.yaml"
-BOARD = "replay"
+BOARD = "playback"
 EPILOG = """\
 navigation: a recorded flight is NAME.zip, text tables as the InertialNav project has them (IMU,
 GPS, MAG, NTUN, ATT, timing), beside it NAME_peer_*.csv.gz if there is one; or NAME_replay.csv.gz,

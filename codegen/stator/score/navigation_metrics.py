@@ -99,7 +99,7 @@ class Log:
         return result
 
 
-def replay(program: Path, rows: Array) -> Log:
+def play_back(program: Path, rows: Array) -> Log:
     with tempfile.TemporaryDirectory() as folder:
         recording, log = Path(folder) / "recording", Path(folder) / "flight.ulg"
         write_rows(recording, rows)
@@ -195,7 +195,7 @@ def summary(errors: list[float]) -> HoldOut:
 
 
 def hold_out(flight: Flight, program: Path) -> HoldOut:
-    data = replay(program, held_out(flight)).topic("estimator_innovations")
+    data = play_back(program, held_out(flight)).topic("estimator_innovations")
     measured = data["timestamp_sample"].astype(np.float64)
     errors = []
     for fix in returning_fixes(flight):
@@ -212,7 +212,7 @@ def hold_out(flight: Flight, program: Path) -> HoldOut:
 
 
 def flight_score(flight: Flight, program: Path) -> FlightScore:
-    log = replay(program, flight.rows)
+    log = play_back(program, flight.rows)
     onboard = onboard_rows(flight)
     times = np.arange(flight.rows[0, 0] + SETTLED_US, flight.rows[-1, 0], GRID_US)
     fields = [ours for ours, _ in INNOVATIONS.values()]
@@ -225,7 +225,7 @@ def flight_score(flight: Flight, program: Path) -> FlightScore:
 
 
 def reference_score(flight: Flight, program: Path) -> ReferenceScore:
-    log = replay(program, flight.rows)
+    log = play_back(program, flight.rows)
     rows = flight.reference
     rows = rows[(rows[:, 0] > START_US + SETTLED_US) & (rows[:, 0] < START_US + REFERENCE_END_US)]
     attitude = attitude_score(attitudes(log, rows[:, 0]), euler(rows[:, 1:5]))

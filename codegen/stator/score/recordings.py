@@ -1,4 +1,4 @@
-"""Recordings of flights in the formats of other projects, as rows that the board `replay` plays."""
+"""Recordings of flights in the formats of other projects, as rows for the board `playback`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from stator.diagnostics import UserError
 
 Array = npt.NDArray[np.float64]
 
-IMU, MAG, GNSS, BARO = range(4)  # boards/replay/recording.hpp
+IMU, MAG, GNSS, BARO = range(4)  # boards/playback/recording.hpp
 COLUMNS = 12  # arrival_us, device, timestamp_sample, nine values
 START_US = 1_000_000  # what a recording calls 0
 NO_HEIGHT = 1000.0  # m: an error so large that the height is not used
@@ -174,7 +174,7 @@ def read_peer(folder: Path, name: str) -> dict[str, Array]:
 # --- replay files of PX4's estimator tests ---
 
 
-def read_replay(path: Path) -> Flight:
+def read_px4_replay(path: Path) -> Flight:
     """Rows t_us,type,values: imu (accelerometer, gyro), mag [gauss], baro [m], gps (height in mm,
     longitude and latitude in 1e-7 deg, velocity N, E, D)."""
     samples: dict[str, list[list[float]]] = {"imu": [], "mag": [], "baro": [], "gps": []}
@@ -224,7 +224,7 @@ def flights_in(folder: Path) -> list[Flight]:
         raise RecordingError(f"there is no folder '{folder}'", "name one with recorded flights")
     tables = [read_tables(path) for path in sorted(folder.glob("*.zip"))]
     named = [path for path in sorted(folder.iterdir()) if path.name.endswith(REPLAYS)]
-    replays = [read_replay(path) for path in named]
+    replays = [read_px4_replay(path) for path in named]
     if not tables and not replays:
         raise RecordingError(
             f"no recorded flights in '{folder}'", f"their names end in .zip or {REPLAYS[0]}"

@@ -20,8 +20,8 @@ TIDY_PROGRAMS = {
     "quad": ("quad", "sitl"),
     "outdoor": ("quad_outdoor", "sitl"),
     "can": ("quad_can", "linux"),
-    "attitude": ("attitude_recording", "replay"),
-    "navigation": ("navigation_recording", "replay"),
+    "attitude": ("attitude_recording", "playback"),
+    "navigation": ("navigation_recording", "playback"),
     "replay": ("quad", "sitl", "-DSTATOR_REPLAY=ON"),
 }
 

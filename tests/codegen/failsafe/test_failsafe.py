@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import random
+import re
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -25,12 +26,23 @@ URGENCY = [
 
 
 def load() -> dict[str, Any]:
+    """The file, with the table as mode -> event -> mode."""
     content: dict[str, Any] = yaml.safe_load(TABLE.read_text(encoding="utf-8"))
+    columns = content["table"].pop("event")
+    content["table"] = {
+        mode: dict(zip(columns, row, strict=True)) for mode, row in content["table"].items()
+    }
     return content
 
 
 def read(content: dict[str, Any], folder: Path) -> bool:
-    """Whether Stator takes the table."""
+    """Whether Stator takes the table, as load has it."""
+    rows = {mode: list(row.values()) for mode, row in content["table"].items()}
+    return read_rows({**content, "table": {"event": URGENCY, **rows}}, folder)
+
+
+def read_rows(content: dict[str, Any], folder: Path) -> bool:
+    """Whether Stator takes the file with this content."""
     file = folder / "failsafe.yaml"
     file.write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
     sources = Sources(HOME, Report())
@@ -96,3 +108,27 @@ def test_nothing_may_be_left_out(part: str, tmp_path: Path) -> None:
         content = load()
         del content[part][key]
         assert not read(content, tmp_path), key
+
+
+def test_every_row_has_a_cell_for_every_event(tmp_path: Path) -> None:
+    content = yaml.safe_load(TABLE.read_text(encoding="utf-8"))
+    assert read_rows(content, tmp_path)
+    for key in content["table"]:
+        for change in (lambda row: [*row, row[-1]], lambda row: row[:-1]):
+            table = {**content["table"], key: change(content["table"][key])}
+            assert not read_rows({**content, "table": table}, tmp_path), key
+
+
+def test_the_columns_are_named_in_the_order_of_urgency(tmp_path: Path) -> None:
+    content = yaml.safe_load(TABLE.read_text(encoding="utf-8"))
+    content["table"]["event"].reverse()
+    assert not read_rows(content, tmp_path)
+    del content["table"]["event"]
+    assert not read_rows(content, tmp_path)
+
+
+def test_the_table_is_aligned() -> None:
+    """A person reads it as a table: each column starts in one place."""
+    lines = TABLE.read_text(encoding="utf-8").split("table:\n")[1].splitlines()
+    starts = [[m.start() for m in re.finditer(r"(?<=[\[ ])[a-z]", line[3:])] for line in lines]
+    assert len(set(map(tuple, starts))) == 1

@@ -248,7 +248,7 @@ def test_it_is_as_good_as_basic_vqf_on_real_recordings(capsys: pytest.CaptureFix
     assert ours["inclination_deg"] < 1.1 * peer["inclination_deg"]
 
 
-# --- the replay ---
+# --- the playback ---
 
 
 @pytest.mark.parametrize(
@@ -264,7 +264,7 @@ def test_it_is_as_good_as_basic_vqf_on_real_recordings(capsys: pytest.CaptureFix
         (["--recording", "{folder}/good", "--log", "{folder}/no/log"], "cannot open"),
     ],
 )
-def test_the_replay_says_what_is_wrong(arguments: list[str], problem: str, tmp_path: Path) -> None:
+def test_playback_says_what_is_wrong(arguments: list[str], problem: str, tmp_path: Path) -> None:
     rows = np.zeros((2, score.COLUMNS))
     (tmp_path / "short").write_bytes(rows.tobytes()[:-4])
     (tmp_path / "good").write_bytes(rows.tobytes())

@@ -156,7 +156,7 @@ def test_a_filter_that_is_lost_in_a_window_misses_it(
         def topic(self, _: str) -> dict[str, score.Array]:
             return said
 
-    monkeypatch.setattr(navigation_metrics, "replay", lambda *_: Run())
+    monkeypatch.setattr(navigation_metrics, "play_back", lambda *_: Run())
     found = navigation_metrics.hold_out(flight, tmp_path)
     assert (found.windows, found.missed) == (2, 1)
     assert found.p50_m == found.p95_m == np.inf

@@ -60,7 +60,7 @@ void show(const Row& row) {
 
 }  // namespace
 
-void replay(const Recording& chosen) {
+void play(const Recording& chosen) {
     recording = &chosen;
     next_row = 0;
 }

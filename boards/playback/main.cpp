@@ -1,6 +1,6 @@
 // Runs the graph that was built for this board once over a recording, and writes its log.
 //
-// Exit status: 0 the whole recording was replayed; 1 the log could not be written whole; 2 a wrong
+// Exit status: 0 the whole recording was played; 1 the log could not be written whole; 2 a wrong
 // argument, or a file that cannot be opened.
 #include <cerrno>
 #include <cstdio>
@@ -59,7 +59,7 @@ int main(int count, char** arguments) {
     }
     board::Recording recording;
     if (!recording.load(options.recording) || !open_log(options.log)) return 2;
-    board::replay(recording);
+    board::play(recording);
     start();
     run_until(recording.end_us() + kAfterrun_us);
     return close_log(options.log) ? 0 : 1;
