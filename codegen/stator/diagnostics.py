@@ -20,13 +20,13 @@ ANSWER_IS_NO = 1  # it did what was asked, and the answer is no: errors found, a
 NOT_DONE = 2  # it could not do what was asked
 INTERRUPTED = 130
 
-MOST_BYTES = 16 * 1024 * 1024  # of one file
+MAX_BYTES = 16 * 1024 * 1024  # of one file
 # A longer source line is shown in part, around the caret.
-MOST_COLUMNS = 160
-MOST_CHARACTERS = 400  # of a message or a hint
+MAX_COLUMNS = 160
+MAX_CHARACTERS = 400  # of a message or a hint
 # Names that are compared for hints, over all errors of one run: a file of nothing but mistakes must
 # not take minutes.
-MOST_COMPARED = 200_000
+MAX_COMPARED = 200_000
 _LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")  # what YAML takes for the end of a line
 
 
@@ -99,7 +99,7 @@ class Report:
         """A hint that names what the user may have meant."""
         known = list(names)
         self._compared += len(known)
-        return nearest(name, known) if self._compared <= MOST_COMPARED else ""
+        return nearest(name, known) if self._compared <= MAX_COMPARED else ""
 
     def __len__(self) -> int:
         return len(self._errors)
@@ -113,7 +113,7 @@ class Report:
 def _one_line(text: str) -> str:
     """Messages quote what users wrote, which may hold anything and be long."""
     shown = text if text.isprintable() else "".join(c if c.isprintable() else "?" for c in text)
-    return shown if len(shown) <= MOST_CHARACTERS else shown[:MOST_CHARACTERS] + "..."
+    return shown if len(shown) <= MAX_CHARACTERS else shown[:MAX_CHARACTERS] + "..."
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
@@ -146,7 +146,7 @@ def source_line(mark: Mark) -> tuple[str, int]:
     """The line, or a part of it around the mark, and how many characters stand before the mark."""
     try:
         state = mark.file.stat()
-        if state.st_size > MOST_BYTES:
+        if state.st_size > MAX_BYTES:
             return "", 0
         lines = _lines(mark.file, state.st_mtime_ns, state.st_size)
     except (OSError, ValueError):
@@ -154,8 +154,8 @@ def source_line(mark: Mark) -> tuple[str, int]:
     if mark.line > len(lines):
         return "", 0
     text, before = lines[mark.line - 1], mark.column - 1
-    start = max(0, before - MOST_COLUMNS // 2) if len(text) > MOST_COLUMNS else 0
-    part = text[start : start + MOST_COLUMNS]
+    start = max(0, before - MAX_COLUMNS // 2) if len(text) > MAX_COLUMNS else 0
+    part = text[start : start + MAX_COLUMNS]
     return "".join(c if c.isprintable() else " " for c in part), before - start
 
 

@@ -38,13 +38,13 @@ CONVERSIONS: dict[str, dict[str, Fraction]] = {
 }
 
 _NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]{1,3})?")
-_MOST_LENGTH = 64
+_MAX_LENGTH = 64
 
 
 def split(text: str) -> tuple[Fraction, str] | None:
     """`1.5 ms` -> (3/2, 'ms'); a bare number has the unit ''. None if it is no number."""
     match = _NUMBER.match(text)
-    if match is None or len(text) > _MOST_LENGTH:
+    if match is None or len(text) > _MAX_LENGTH:
         return None
     return Fraction(match.group(0)), text[match.end() :].strip()
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 SIZES = (1_000, 10_000)
 REPEATS = 3
-_MOST_PRIORITY = 15
+_MAX_PRIORITY = 15
 
 _APPS = {
     "bench_source": """doc: Makes samples.
@@ -50,7 +50,7 @@ def write_big_graph(folder: Path, count: int) -> Path:
 
 def _node(index: int, count: int) -> str:
     chain, place = divmod(index, 4)
-    priority = index % _MOST_PRIORITY + 1
+    priority = index % _MAX_PRIORITY + 1
     other = (chain + 1) % (count // 4) * 4
     if place == 0:
         return f"""  node{index}:

@@ -30,7 +30,7 @@ WAYS: tuple[tuple[str, int | None], ...] = (
 # The same ways in an image that counts and records each activation, by their places above.
 RECORDED_WAYS = {0: 90, 4: 60}
 READERS_OWN = 2  # of those: the load of a field and a sum
-MOST_MASKED = 30
+MAX_MASKED = 30
 
 
 def counts(variant: Mapping[str, str] = PLAIN) -> list[tuple[str, int, int, int | None]]:
@@ -62,7 +62,7 @@ def _lines(finished: subprocess.CompletedProcess[str]) -> list[str]:
 
 def _sections(image: Path) -> list[tuple[str, int, int, int | None]]:
     return [
-        (f"BASEPRI raised in {operation} of {topic}", count, count, MOST_MASKED)
+        (f"BASEPRI raised in {operation} of {topic}", count, count, MAX_MASKED)
         for topic, operations in sections_of(image).items()
         for operation, count in operations.items()
     ]

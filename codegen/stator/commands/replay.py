@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Facts = dict[str, Any]
 
 # Streams of the levels end within a few periods of the logger: the log's end cuts them.
-MOST_CUT_US = 500_000
+MAX_CUT_US = 500_000
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ def facts_of(recording: Recording, subject: Subject, run: Facts) -> Facts:
         ends.append(f"the log cannot be trusted further: {recording.problem}")
     for level, lost in sorted(recording.gaps.items()):
         ends.append(f"a gap: level {level} lost {lost:,} activations, as its stream was full")
-    if not ends and run["recorded_until_us"] - run["until_us"] > MOST_CUT_US:
+    if not ends and run["recorded_until_us"] - run["until_us"] > MAX_CUT_US:
         ends.append(
             f"something that a node read after {run['until_us'] * 1e-6:.3f} s is not recorded"
         )

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     import subprocess
     from collections.abc import Iterator
 
-LEAST_SPEED = 0.001
-MOST_CPUS = 64
+MIN_SPEED = 0.001
+MAX_CPUS = 64
 OWN_FACTS = (
     "missed_samples",
     "missed_releases",
@@ -102,10 +102,10 @@ def _add_device_arguments(parser: argparse.ArgumentParser) -> None:
 
 def slow_speed_of(text: str) -> float:
     with contextlib.suppress(ValueError):
-        if LEAST_SPEED <= float(text) <= 1.0:
+        if MIN_SPEED <= float(text) <= 1.0:
             return float(text)
     raise argparse.ArgumentTypeError(
-        f"'{text}' is no factor from {LEAST_SPEED} to 1: threads run in real time or slower; "
+        f"'{text}' is no factor from {MIN_SPEED} to 1: threads run in real time or slower; "
         "./stator fly simulates as fast as the machine can"
     )
 
@@ -116,9 +116,9 @@ def cpus_of(text: str) -> int:
     for part in text.split(","):
         first, dash, last = part.partition("-")
         ends = [first, last if dash else first]
-        if not all(end.isascii() and end.isdigit() and int(end) < MOST_CPUS for end in ends):
+        if not all(end.isascii() and end.isdigit() and int(end) < MAX_CPUS for end in ends):
             raise argparse.ArgumentTypeError(
-                f"'{text}' is no list of processors from 0 to {MOST_CPUS - 1}, such as 0,2-3"
+                f"'{text}' is no list of processors from 0 to {MAX_CPUS - 1}, such as 0,2-3"
             )
         mask |= sum(1 << cpu for cpu in range(int(ends[0]), int(ends[1]) + 1))
     if mask == 0:

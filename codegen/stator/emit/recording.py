@@ -21,7 +21,7 @@ START_LEVEL = 0  # of what is published before anything runs
 # A stream holds what its level records in this time, or in so many periods of the logger.
 HELD_US = 50_000
 HELD_PERIODS = 4
-LEAST_STREAM = 256
+MIN_STREAM = 256
 # Bytes of parts of a record, at most as a rule.
 HEAD_BYTES = 8  # task, end, what fired, time since the one before
 TAKE_BYTES = 2  # tag and number
@@ -211,9 +211,7 @@ def stream_bytes(plan: Plan) -> dict[int, int]:
         each = _record_bytes(plan, task, rates)
         activations = 1 if task.kind == "parameters" else held_us / _period_us(rates, task.name) + 1
         sizes[task.level] = sizes.get(task.level, Fraction(0)) + each * activations
-    return {
-        level: _power_of_two(max(Fraction(LEAST_STREAM), size)) for level, size in sizes.items()
-    }
+    return {level: _power_of_two(max(Fraction(MIN_STREAM), size)) for level, size in sizes.items()}
 
 
 def bytes_per_second(plan: Plan) -> int:

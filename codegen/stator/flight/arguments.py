@@ -16,12 +16,12 @@ from stator.pipeline import make_plan
 if TYPE_CHECKING:
     from stator.plan.plan import Plan
 
-MOST_SEED = 2**64 - 1
-MOST_DURATION_S = 1e6
-MOST_SPEED = 1e4
+MAX_SEED = 2**64 - 1
+MAX_DURATION_S = 1e6
+MAX_SPEED = 1e4
 USUAL_DURATION_S = 120.0
-MOST_WIND_M_S = 50.0
-MOST_DEGREES = 360.0
+MAX_WIND_M_S = 50.0
+MAX_DEGREES = 360.0
 
 
 def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str) -> None:
@@ -126,9 +126,9 @@ def rates_of(arguments: argparse.Namespace) -> dict[str, object]:
 
 def speed_of(text: str) -> float:
     with contextlib.suppress(ValueError):
-        if 0.0 < float(text) <= MOST_SPEED:
+        if 0.0 < float(text) <= MAX_SPEED:
             return float(text)
-    raise argparse.ArgumentTypeError(f"'{text}' is no factor above 0, at most {MOST_SPEED:.0f}")
+    raise argparse.ArgumentTypeError(f"'{text}' is no factor above 0, at most {MAX_SPEED:.0f}")
 
 
 def times_of(arguments: argparse.Namespace) -> list[str]:
@@ -173,28 +173,28 @@ def is_judged(arguments: argparse.Namespace) -> bool:
 
 
 def seed_of(text: str) -> int:
-    if text.isascii() and text.isdigit() and int(text) <= MOST_SEED:
+    if text.isascii() and text.isdigit() and int(text) <= MAX_SEED:
         return int(text)
-    raise argparse.ArgumentTypeError(f"'{text}' is no whole number from 0 to {MOST_SEED}")
+    raise argparse.ArgumentTypeError(f"'{text}' is no whole number from 0 to {MAX_SEED}")
 
 
 def wind_of(text: str) -> float:
     with contextlib.suppress(ValueError):
-        if 0.0 <= float(text) <= MOST_WIND_M_S:
+        if 0.0 <= float(text) <= MAX_WIND_M_S:
             return float(text)
-    raise argparse.ArgumentTypeError(f"'{text}' is no number of m/s from 0 to {MOST_WIND_M_S:.0f}")
+    raise argparse.ArgumentTypeError(f"'{text}' is no number of m/s from 0 to {MAX_WIND_M_S:.0f}")
 
 
 def degrees_of(text: str) -> float:
     with contextlib.suppress(ValueError):
-        if abs(float(text)) <= MOST_DEGREES:
+        if abs(float(text)) <= MAX_DEGREES:
             return float(text)
     raise argparse.ArgumentTypeError(f"'{text}' is no number of degrees from -360 to 360")
 
 
 def duration_of(text: str) -> float:
     with contextlib.suppress(ValueError):
-        if 0.0 < float(text) <= MOST_DURATION_S:
+        if 0.0 < float(text) <= MAX_DURATION_S:
             return float(text)
-    most = f"{MOST_DURATION_S:.0f}"
+    most = f"{MAX_DURATION_S:.0f}"
     raise argparse.ArgumentTypeError(f"'{text}' is no number of seconds above 0, at most {most}")

@@ -14,7 +14,7 @@ from stator.flight.log import DISARMED, HOLD, NAV_STATES, in_flight, newest
 if TYPE_CHECKING:
     from stator.flight.log import Flight, Floats, Truth
 
-MOST_LANDED_TILT_DEG = 20.0
+MAX_LANDED_TILT_DEG = 20.0
 
 
 @dataclass(frozen=True)
@@ -212,8 +212,8 @@ def landing_problems(flight: Flight, most_m_s: float) -> list[Problem]:
     if not flight.truth.on_ground[-1]:
         problems.append(at_end(flight, f"the motors stopped in the air: {ending(flight)}"))
     tilt_deg = math.degrees(math.acos(np.clip(_down_in_body(flight.truth.q[-1:])[0, 2], -1, 1)))
-    if tilt_deg > MOST_LANDED_TILT_DEG:
-        text = f"landed on its side: tilted {tilt_deg:.0f} deg (limit {MOST_LANDED_TILT_DEG:g} deg)"
+    if tilt_deg > MAX_LANDED_TILT_DEG:
+        text = f"landed on its side: tilted {tilt_deg:.0f} deg (limit {MAX_LANDED_TILT_DEG:g} deg)"
         problems.append(at_end(flight, text))
     if flight.arming_state.size == 0 or flight.arming_state[-1] != DISARMED:
         problems.append(Problem("vehicle_status did not say disarmed at the end"))

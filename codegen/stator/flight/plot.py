@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from stator.flight.log import Floats
 
 FORMATS = (".png", ".svg", ".pdf")
-LEAST_MAP_M = 2.0
+MIN_MAP_M = 2.0
 HALF_TURN_DEG = 180.0
 # Colour-blind safe (Okabe and Ito), one a meaning throughout.
 # The truth is the wide line underneath, so that what was believed shows where it differs.
@@ -109,7 +109,7 @@ def _draw_map(axes: Axes, flown: Flown) -> None:
 def _square(axes: Axes) -> None:
     """Metres alike both ways; a hover of centimetres is drawn as one, not blown up to the page."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    side = max(right - left, high - low, LEAST_MAP_M)
+    side = max(right - left, high - low, MIN_MAP_M)
     axes.set_xlim((left + right - side) / 2, (left + right + side) / 2)
     axes.set_ylim((low + high - side) / 2, (low + high + side) / 2)
     axes.set_aspect("equal")

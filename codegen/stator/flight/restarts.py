@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 RESTART = 3  # of the program: boards/linux/main.cpp
 SIGNALLED = 128  # and the number of the signal
 # A life counts as so long at least: one that restarts at once is no run without an end.
-LEAST_LIFE_S = 0.1
+MIN_LIFE_S = 0.1
 ENDING = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -31,11 +31,11 @@ def run_lives(
             finished = endings.run(command_of(left_s))
             if finished.returncode != RESTART:
                 return finished, earlier
-            left_s -= max(json.loads(finished.stdout)["simulated_s"], LEAST_LIFE_S)
+            left_s -= max(json.loads(finished.stdout)["simulated_s"], MIN_LIFE_S)
             if endings.heard != 0:
                 finished.returncode = SIGNALLED + endings.heard
                 return finished, earlier
-            if left_s < LEAST_LIFE_S:
+            if left_s < MIN_LIFE_S:
                 return finished, earlier
             kept = log.with_name(f"{log.name.removesuffix('.ulg')}.{len(earlier) + 1}.ulg")
             earlier.append(log.rename(kept))

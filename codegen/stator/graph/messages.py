@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from stator.graph.sources import Sources
 
-MOST_MESSAGE_BYTES = 8192
+MAX_MESSAGE_BYTES = 8192
 _FIELD_TYPE = re.compile(r"([a-z0-9]+)(?:\[([0-9]{1,5})\])?")
 
 
@@ -40,11 +40,11 @@ def read_message(sources: Sources, name: str, path: Path) -> Message | None:
     if len(known) < len(table.keys):
         return None
     message = Message(name, record.value("doc", ""), pad(known), mark)
-    if message.bytes > MOST_MESSAGE_BYTES:
+    if message.bytes > MAX_MESSAGE_BYTES:
         report.error(
             record.keys["fields"],
             "message-too-large",
-            f"{name} takes {message.bytes} bytes, more than {MOST_MESSAGE_BYTES}",
+            f"{name} takes {message.bytes} bytes, more than {MAX_MESSAGE_BYTES}",
             "split it into several samples",
         )
         return None

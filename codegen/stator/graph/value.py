@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from stator.language.yaml_tree import Scalar
 
 # Of the magnitudes that a float holds with all its digits, a little less.
-_LEAST_FLOAT, _MOST_FLOAT = Fraction(1, 10**37), Fraction(10**37)
+_MIN_FLOAT, _MAX_FLOAT = Fraction(1, 10**37), Fraction(10**37)
 
 
 def read_value(
@@ -63,7 +63,7 @@ def _fits_type(param: Param, number: Fraction, item: Scalar, report: Report) -> 
             f"to {shown(param.most or Fraction(2**31 - 1))}",
         )
         return False
-    if number == 0 or _LEAST_FLOAT <= abs(number) <= _MOST_FLOAT:
+    if number == 0 or _MIN_FLOAT <= abs(number) <= _MAX_FLOAT:
         return True
     report.error(
         item.mark,

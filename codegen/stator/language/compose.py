@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from stator.diagnostics import MOST_BYTES, Mark, Report, beside
+from stator.diagnostics import MAX_BYTES, Mark, Report, beside
 from stator.language import keys as language
 from stator.language import yaml_tree
 from stator.language.nested import Listing
@@ -16,7 +16,7 @@ from stator.language.prefix import prefixed
 from stator.language.shapes import VARIABLE, Record, misshaped
 from stator.language.yaml_tree import Mapping, Scalar, Sequence, Tree
 
-MOST_INCLUDES = 200
+MAX_INCLUDES = 200
 
 
 @dataclass
@@ -100,19 +100,19 @@ class Composer:
             )
             return None
         self._includes += 1
-        if self._includes > MOST_INCLUDES:
+        if self._includes > MAX_INCLUDES:
             self.report.error(
                 leaf.mark,
                 "include-many",
-                f"more than {MOST_INCLUDES} includes",
+                f"more than {MAX_INCLUDES} includes",
                 "each include counts, also of one file several times",
             )
             return None
-        if self._bytes > MOST_BYTES:
+        if self._bytes > MAX_BYTES:
             self.report.error(
                 leaf.mark,
                 "file-too-large",
-                f"the files included before this one have more than {MOST_BYTES} bytes",
+                f"the files included before this one have more than {MAX_BYTES} bytes",
                 "include fewer or smaller ones",
             )
             return None

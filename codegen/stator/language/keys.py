@@ -9,16 +9,16 @@ from stator.language.nested import Key, Listing, OneOrMore, Short, Struct, Table
 from stator.language.period import Period
 from stator.language.shapes import NAME_PATTERN, Boolean, Choice, Integer, Name, Raw, Text
 
-MOST_LEVELS = 15
-MOST_TASKS_OF_THREAD = 30  # bits of a word, without the two of its own
+MAX_LEVELS = 15
+MAX_TASKS_OF_THREAD = 30  # bits of a word, without the two of its own
 DEPTHS = (1, 2, 4, 8, 16)
-MOST_SLOTS = 32
+MAX_SLOTS = 32
 
-MOST_TIMERS = 32  # of one node: a bit each in what woke it
-MOST_MODES = 255
-MOST_LOGGED_BYTES = 1000  # of a message; a block of the log holds no more
-MOST_PARAM_NODES = 200  # whose parameters one node publishes; each is a port of its recording
-MOST_PARAM_NAME = 92  # bytes of NODE.PARAMETER in messages, as DroneCAN has it
+MAX_TIMERS = 32  # of one node: a bit each in what woke it
+MAX_MODES = 255
+MAX_LOGGED_BYTES = 1000  # of a message; a block of the log holds no more
+MAX_PARAM_NODES = 200  # whose parameters one node publishes; each is a port of its recording
+MAX_PARAM_NAME = 92  # bytes of NODE.PARAMETER in messages, as DroneCAN has it
 
 MESSAGE_NAME = Text(
     "[A-Z][A-Za-z0-9]{0,62}",
@@ -91,7 +91,7 @@ NODE = Struct(
         "trigger": Key(
             OneOrMore(TRIGGER), "What activates the node; any one of a list.", required=True
         ),
-        "priority": Key(Integer(1, MOST_LEVELS), "1 (least urgent) to 15 (most)."),
+        "priority": Key(Integer(1, MAX_LEVELS), "1 (least urgent) to 15 (most)."),
         "deadline": Key(Period(), "Latest end of an activation after its release."),
         "budget": Key(Period(), "The most execution time of one activation."),
         "inputs": Key(Table(INPUT, "an input"), "Input ports and the topics they read."),

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import yaml
 
-from stator.diagnostics import MOST_BYTES, Mark, Report, beside, shown_path
+from stator.diagnostics import MAX_BYTES, Mark, Report, beside, shown_path
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-MOST_DEPTH = 32
+MAX_DEPTH = 32
 _REFUSED = re.compile(
     "[^\t\n\r\x20-\x7e\x85\xa0-\u1fff\u2010-\u2027\u2030-\u205f\u2070-\ud7ff\ue000-\ufefe\uff00-\ufffd"
     "\U00010000-\U0010ffff]"
@@ -66,11 +66,11 @@ def load(path: Path, report: Report) -> Tree | None:
                 ),
             )
             return None
-        if state.st_size > MOST_BYTES:
+        if state.st_size > MAX_BYTES:
             report.error(
                 start,
                 "file-too-large",
-                f"the file has {state.st_size} bytes, more than {MOST_BYTES}",
+                f"the file has {state.st_size} bytes, more than {MAX_BYTES}",
                 "split the graph with `include`",
             )
             return None
@@ -266,12 +266,12 @@ class _Builder:
         return False
 
     def _is_shallow(self, mark: Mark) -> bool:
-        if len(self._stack) < MOST_DEPTH:
+        if len(self._stack) < MAX_DEPTH:
             return True
         self._report.error(
             mark,
             "yaml-depth",
-            f"nested deeper than {MOST_DEPTH} levels",
+            f"nested deeper than {MAX_DEPTH} levels",
             "no file of Stator needs more than eight",
         )
         return False

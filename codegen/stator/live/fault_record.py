@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from stator.plan.plan import Plan, Task
 
-MOST_RESETS = 3  # then the next start is one in safe mode
+MAX_RESETS = 3  # then the next start is one in safe mode
 LAYOUT = struct.Struct("<9I8I8I4I3IQQI32I48s16s20s")
 PRINTED = re.compile(r"^stator: record ([0-9a-f]+)$", re.MULTILINE)
 
@@ -144,7 +144,7 @@ def explain(record: FaultRecord, plan: Plan, image: Path | None = None) -> list[
     rows.append(f"  at {at} {_function(image, record.program_counter)}".rstrip())
     rows.append(
         f"  after {record.uptime_us * 1e-6:.6f} s; reset {record.resets} within 10 s, "
-        f"{MOST_RESETS} end in safe mode"
+        f"{MAX_RESETS} end in safe mode"
     )
     rows.append(f"  {_exception(record)}")
     if record.nested:

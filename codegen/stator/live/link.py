@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 INFO, TASKS, SAMPLE, FAULT = 1, 2, 3, 4
 VERSION = 1
 ANSWER_S = 0.5  # until a request is sent again
-MOST_TRIES = 10
+MAX_TRIES = 10
 UNITS = ("cycles", "instructions", "cpu_time")
 TASK = struct.Struct("<7I")
 
@@ -149,7 +149,7 @@ class Link:
 
     def ask(self, kind: int, argument: int = 0) -> bytes:
         """The answer's body behind its head. Raises `NoLink` if there is none."""
-        for _ in range(MOST_TRIES):
+        for _ in range(MAX_TRIES):
             self._tag = (self._tag + 1) % 256
             head = bytes([kind, self._tag])
             try:

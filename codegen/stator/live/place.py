@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 DEFAULT = HOME / "build" / "link"
-MOST_SOCKET_PATH = 100  # bytes; the system takes 107
+MAX_SOCKET_PATH = 100  # bytes; the system takes 107
 
 
 def socket_place(path: Path) -> Path:
     """Where a socket can be made. Raises `UserError` where it cannot."""
     place = path.resolve()
-    if len(str(place).encode()) > MOST_SOCKET_PATH or "," in str(place):
+    if len(str(place).encode()) > MAX_SOCKET_PATH or "," in str(place):
         raise UserError(
             f"error: '{place}' is too long for a socket, or has a comma\n"
             "hint: name a shorter one: --link /tmp/link"
@@ -48,7 +48,7 @@ def free_place() -> Iterator[Path | None]:
     one."""
     for number in count(1):
         place = DEFAULT.with_name(f"{DEFAULT.name}{number if number > 1 else ''}")
-        if len(str(place).encode()) > MOST_SOCKET_PATH:
+        if len(str(place).encode()) > MAX_SOCKET_PATH:
             yield None
             return
         with place.with_name(f"{place.name}.lock").open("w") as lock:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stator.graph.model import Field
 
 # Of graph/messages/Mission.yaml.
-MOST_ITEMS = 31
+MAX_ITEMS = 31
 NAN = math.nan
 FOREVER_S = 1e9
 WAYPOINT, RETURN, LAND, TAKEOFF, EIGHT = 16, 20, 21, 22, 35
@@ -33,9 +33,9 @@ NAMES = {
 }
 USUAL_RADIUS_M = 1.0  # how near is there
 SHORTEST_EIGHT_M = 2.0  # of apps/navigator/route.cpp
-LEAST_CLIMB_M = 0.5
+MIN_CLIMB_M = 0.5
 # No vehicle's parameters allow more: `farthest` of the navigator, `fence_height` of the commander.
-MOST_AWAY_M = MOST_HEIGHT_M = 10_000.0
+MAX_AWAY_M = MAX_HEIGHT_M = 10_000.0
 
 
 @dataclass(frozen=True)

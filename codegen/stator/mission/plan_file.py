@@ -39,7 +39,7 @@ OTHERS = {
     205: "mount control", 206: "camera trigger distance", 530: "camera mode", 2000: "take photos",
     2001: "stop photos", 2500: "start video", 2501: "stop video", 3000: "VTOL transition",
 }  # fmt: skip
-MOST_FENCE_OFFSET_M = 5.0
+MAX_FENCE_OFFSET_M = 5.0
 MOST = 1e9  # of any number; FOREVER_S is as long
 ABOVE_SEA, NO_PLACE, ABOVE_HOME = (0, 5), (2,), (3, 6)
 
@@ -174,7 +174,7 @@ def _fence(plan: dict[str, Any], origin: tuple[float, float]) -> float:
         raise _Refusal(
             "the fence is not one circle to stay in\nhint: draw one about home, remove the others"
         )
-    if math.hypot(*to_local(origin, (center[0], center[1]))) > MOST_FENCE_OFFSET_M:
+    if math.hypot(*to_local(origin, (center[0], center[1]))) > MAX_FENCE_OFFSET_M:
         raise _Refusal("the fence's circle is not about the planned home\nhint: move it there")
     return float(radius)
 

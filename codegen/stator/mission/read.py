@@ -10,10 +10,10 @@ from stator.mission.model import (
     EIGHT,
     FOREVER_S,
     LAND,
-    LEAST_CLIMB_M,
-    MOST_AWAY_M,
-    MOST_HEIGHT_M,
-    MOST_ITEMS,
+    MAX_AWAY_M,
+    MAX_HEIGHT_M,
+    MAX_ITEMS,
+    MIN_CLIMB_M,
     NAMES,
     RETURN,
     SHORTEST_EIGHT_M,
@@ -54,9 +54,9 @@ def _check(path: Path, mission: Mission) -> None:
 
     if not items:
         raise UserError(f"error: {path}: the mission has no items\nhint: begin with a take-off")
-    if len(items) > MOST_ITEMS:
-        hint = f"a vehicle takes at most {MOST_ITEMS}; fly the rest as another mission"
-        raise refuse(MOST_ITEMS, f"the mission has {len(items)} items", hint)
+    if len(items) > MAX_ITEMS:
+        hint = f"a vehicle takes at most {MAX_ITEMS}; fly the rest as another mission"
+        raise refuse(MAX_ITEMS, f"the mission has {len(items)} items", hint)
     for number, item in enumerate(items):
         if (item.kind == TAKEOFF) != (number == 0):
             first = number == 0
@@ -80,17 +80,17 @@ def _fault(item: Item, mission: Mission) -> tuple[str, str] | None:
     if is_eight and not item.radius >= SHORTEST_EIGHT_M:
         least = f"{SHORTEST_EIGHT_M:g} m"
         return f"a length of {item.radius:g} m", f"make it {least} long at least: twice its radius"
-    if item.kind == TAKEOFF and not item.height >= LEAST_CLIMB_M:
-        return f"a height of {item.height:g} m", f"climb {LEAST_CLIMB_M:g} m at least"
+    if item.kind == TAKEOFF and not item.height >= MIN_CLIMB_M:
+        return f"a height of {item.height:g} m", f"climb {MIN_CLIMB_M:g} m at least"
     if item.kind != LAND and not item.height > 0.0:
         return f"a height of {item.height:g} m above home", "give it a height above home"
     if 0.0 < mission.fence_height < item.height:
         what = f"{item.height:g} m high, the fence ends at {mission.fence_height:g} m"
         return what, "lower it, or widen the fence"
-    if item.height > MOST_HEIGHT_M:
-        return f"{item.height:g} m high", f"lower it to {MOST_HEIGHT_M:g} m at most"
+    if item.height > MAX_HEIGHT_M:
+        return f"{item.height:g} m high", f"lower it to {MAX_HEIGHT_M:g} m at most"
     away = math.hypot(item.north, item.east) + (0.5 * item.radius if is_eight else 0.0)
-    if away > MOST_AWAY_M:
+    if away > MAX_AWAY_M:
         return f"{away / 1000:.0f} km away", "is the origin the right one?"
     if 0.0 < mission.fence_radius < away:
         what = f"leads {away:.1f} m away, the fence ends at {mission.fence_radius:g} m"

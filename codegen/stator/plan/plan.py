@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from stator.collector import without_collector
 from stator.diagnostics import Report
-from stator.language.keys import MOST_LEVELS, MOST_TASKS_OF_THREAD
+from stator.language.keys import MAX_LEVELS, MAX_TASKS_OF_THREAD
 from stator.plan.rates import Rates
 from stator.plan.topics import TopicPlan, plan_topics
 from stator.quantities import shown
@@ -108,7 +108,7 @@ def _levels(graph: Graph, rates: Rates, report: Report) -> dict[str, int]:
         else:
             deadlines[node.name] = deadline
     distinct = sorted(set(deadlines.values()), reverse=True)
-    if len(distinct) > MOST_LEVELS:
+    if len(distinct) > MAX_LEVELS:
         _refuse_levels(graph, deadlines, distinct, report)
     level_of = {deadline: i + 1 for i, deadline in enumerate(distinct)}
     return {name: level_of[deadline] for name, deadline in deadlines.items()}
@@ -131,7 +131,7 @@ def _refuse_levels(
     report.error(
         graph.nodes[second].mark,
         "priority-levels",
-        f"{len(distinct)} different deadlines need as many levels, and there are {MOST_LEVELS}",
+        f"{len(distinct)} different deadlines need as many levels, and there are {MAX_LEVELS}",
         f"give some nodes the same deadline; closest are '{first}' with {shown(short)} us and "
         f"'{second}' with {shown(long)} us",
     )
@@ -152,13 +152,13 @@ def _order(graph: Graph, board: Board, levels: dict[str, int], report: Report) -
 def _check_level_sizes(tasks: tuple[Task, ...], board: Board, report: Report) -> None:
     """Where a level is a thread, its tasks are bits of one word."""
     for task in tasks:
-        if task.index - task.level_begin == MOST_TASKS_OF_THREAD:
+        if task.index - task.level_begin == MAX_TASKS_OF_THREAD:
             count = sum(other.level == task.level for other in tasks)
             report.error(
                 task.node.mark,
                 "level-large",
                 f"level {task.level} has {count} nodes, and a level of {board.name} runs at most "
-                f"{MOST_TASKS_OF_THREAD}",
+                f"{MAX_TASKS_OF_THREAD}",
                 "give some of them another priority",
             )
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from stator.graph.model import Message, TopicConfig
 from stator.graph.model import Topic as GraphTopic
-from stator.language.keys import DEPTHS, MOST_LOGGED_BYTES, MOST_SLOTS
+from stator.language.keys import DEPTHS, MAX_LOGGED_BYTES, MAX_SLOTS
 
 if TYPE_CHECKING:
     from stator.diagnostics import Mark, Report
@@ -89,12 +89,12 @@ def _topic(
     if log_us is not None and logger is not None:
         reading.append(levels[logger.name])
     slots = slots_needed(topic, levels, reading, depth)
-    if slots > MOST_SLOTS:
+    if slots > MAX_SLOTS:
         mark = topic.config.mark or _output_mark(topic, graph)
         report.error(
             mark,
             "slots-many",
-            f"topic '{topic.name}' needs {slots} slots, and {MOST_SLOTS} are the most",
+            f"topic '{topic.name}' needs {slots} slots, and {MAX_SLOTS} are the most",
             f"give it a smaller depth (now {depth}), or its readers and publishers fewer levels",
         )
     kept_by = tuple(n for n in topic.publishers if any(level > levels[n] for level in reading))
@@ -132,7 +132,7 @@ def _log(
 ) -> int | None:
     config: TopicConfig = topic.config
     own = logger is not None and logger.name in topic.publishers
-    if logger is None or own or config.log == "none" or topic.message.bytes > MOST_LOGGED_BYTES:
+    if logger is None or own or config.log == "none" or topic.message.bytes > MAX_LOGGED_BYTES:
         return None
     if config.log == "all":
         return 0

@@ -22,7 +22,7 @@ from stator.flight.log import read_truth
 
 QUAD = HOME / "graph" / "quad.yaml"
 GRAPHS = Path(__file__).parent / "graph"
-MOST_S = 120  # until a program that hangs is killed
+MAX_S = 120  # until a program that hangs is killed
 LINK = f"/tmp/stator-run-{os.getpid()}"  # of its own, as other tests run beside these
 COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator", "run", "--link", LINK]
 
@@ -156,7 +156,7 @@ def test_a_task_that_does_not_end_is_named_and_left(tmp_path: Path) -> None:
         capture_output=True,
         text=True,
         check=False,
-        timeout=MOST_S,
+        timeout=MAX_S,
     )
     assert finished.returncode == 1
     assert finished.stderr == "error: task 'endless' of level 5 does not end\n"
@@ -215,7 +215,7 @@ def test_threads_that_are_missing_are_told(tmp_path: Path, number: int, what: st
         capture_output=True,
         text=True,
         check=False,
-        timeout=MOST_S,
+        timeout=MAX_S,
     )
     assert (finished.returncode, finished.stdout) == (2, "")
     assert finished.stderr.startswith(f"error: cannot start: {what}")

@@ -14,7 +14,7 @@ from stator.mission.model import (
     EIGHT,
     FOREVER_S,
     LAND,
-    MOST_ITEMS,
+    MAX_ITEMS,
     RETURN,
     TAKEOFF,
     WAYPOINT,
@@ -109,7 +109,7 @@ def test_origin_fence_and_limits(tmp_path: Path) -> None:
         ("items: [takeoff: {height: 5 m}, waypoint: {speed: 99 m/s}]", "99"),
         ("items: 5", "a list is due here"),
         ("items: [takeoff: {height: 5 m}]\nlimits: {colour: 5 m}", "there is no key 'colour'"),
-        (f"items: [takeoff: {{height: 5 m}}{', waypoint: {}' * MOST_ITEMS}]", "has 32 items"),
+        (f"items: [takeoff: {{height: 5 m}}{', waypoint: {}' * MAX_ITEMS}]", "has 32 items"),
     ],
 )
 def test_wrong_missions_are_refused(text: str, message: str, tmp_path: Path) -> None:

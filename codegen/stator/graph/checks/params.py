@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stator.diagnostics import beside
-from stator.language.keys import MOST_PARAM_NAME, MOST_PARAM_NODES
+from stator.language.keys import MAX_PARAM_NAME, MAX_PARAM_NODES
 
 if TYPE_CHECKING:
     from stator.diagnostics import Report
@@ -25,22 +25,22 @@ def check_params_publisher(nodes: dict[str, Node], report: Report) -> None:
     if not publishers:
         return
     owners = [node for node in nodes.values() if node.params]
-    if len(owners) > MOST_PARAM_NODES:
+    if len(owners) > MAX_PARAM_NODES:
         report.error(
             publishers[0].mark,
             "params-publisher",
             f"{len(owners)} nodes have parameters, and one node publishes those of at most "
-            f"{MOST_PARAM_NODES}",
+            f"{MAX_PARAM_NODES}",
             "leave this one out: then parameters are fixed",
         )
     for node in owners:
         longest = max(node.params, key=len)
         name = f"{node.name}.{longest}"
-        if len(name) > MOST_PARAM_NAME:
+        if len(name) > MAX_PARAM_NAME:
             report.error(
                 node.mark,
                 "params-name",
-                f"'{name}' is longer than the {MOST_PARAM_NAME} characters by which "
+                f"'{name}' is longer than the {MAX_PARAM_NAME} characters by which "
                 f"'{publishers[0].name}' is asked for it",
                 "give the node a shorter name",
             )

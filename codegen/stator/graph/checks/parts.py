@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from stator.graph.model import Chain, Modes, Node
-from stator.language.keys import MOST_MODES
+from stator.language.keys import MAX_MODES
 from stator.language.shapes import Leaf, Record, items
 
 if TYPE_CHECKING:
@@ -32,11 +32,11 @@ def read_modes(record: Record, nodes: Nodes, report: Report) -> Modes | None:
             report.nearest(initial.value, table.keys)
             or "write the modes and their nodes into `sets`",
         )
-    if len(sets) > MOST_MODES:
+    if len(sets) > MAX_MODES:
         report.error(
             table.owner,
             "out-of-range",
-            f"{len(sets)} modes, and {MOST_MODES} are the most",
+            f"{len(sets)} modes, and {MAX_MODES} are the most",
             "modes exchange nodes; flight modes are a field of a message",
         )
     publisher = _mode_publisher(record.keys["modes"], nodes, report)

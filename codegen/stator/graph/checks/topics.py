@@ -8,7 +8,7 @@ from stator.diagnostics import Mark, Report, beside
 from stator.graph.checks.cycles import check_cycles
 from stator.graph.checks.params import check_params_publisher
 from stator.graph.model import Message, Node, NodeOutput, Topic, TopicConfig
-from stator.language.keys import DEPTHS, MOST_LOGGED_BYTES
+from stator.language.keys import DEPTHS, MAX_LOGGED_BYTES
 from stator.language.period import Period
 from stator.language.shapes import Record, items
 from stator.language.yaml_tree import Scalar
@@ -104,13 +104,13 @@ def _log(value: Record, report: Report) -> str | int | None:
 
 
 def _check_log_size(topic: Topic, value: Record, report: Report) -> None:
-    if topic.config.log in (None, "none") or topic.message.bytes <= MOST_LOGGED_BYTES:
+    if topic.config.log in (None, "none") or topic.message.bytes <= MAX_LOGGED_BYTES:
         return
     report.error(
         value.get("log").mark,
         "log-large",
         f"{topic.message.name} takes "
-        f"{topic.message.bytes} bytes, and a block of the log holds {MOST_LOGGED_BYTES}",
+        f"{topic.message.bytes} bytes, and a block of the log holds {MAX_LOGGED_BYTES}",
         "write `log: none`, or split the message",
     )
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from stator.diagnostics import beside
 from stator.graph.model import Trigger
-from stator.language.keys import MOST_TIMERS, TRIGGER
+from stator.language.keys import MAX_TIMERS, TRIGGER
 from stator.language.period import spelled_us
 
 if TYPE_CHECKING:
@@ -50,11 +50,11 @@ class TriggerReader:
                 self._check_topic(trigger)
         self._check_timer(leaf)
         timers = sum(trigger.kind == "every" for trigger in triggers.values())
-        if timers > MOST_TIMERS:
+        if timers > MAX_TIMERS:
             self._report.error(
                 leaf.mark,
                 "out-of-range",
-                f"{timers} periods in one node, and {MOST_TIMERS} are the most",
+                f"{timers} periods in one node, and {MAX_TIMERS} are the most",
                 "share them out among several nodes",
             )
         return tuple(triggers.values())
