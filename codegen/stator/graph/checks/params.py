@@ -19,8 +19,8 @@ def check_params_publisher(nodes: dict[str, Node], report: Report) -> None:
         report.error(
             node.mark,
             "params-publisher",
-            f"'{first.name}' publishes all parameters already ({beside(node.mark, first.mark)})",
-            "keep one of them",
+            f"expected one node that publishes parameters, found '{first.name}' and '{node.name}'",
+            f"first one: {beside(node.mark, first.mark)}; keep one of them",
         )
     if not publishers:
         return
@@ -29,9 +29,8 @@ def check_params_publisher(nodes: dict[str, Node], report: Report) -> None:
         report.error(
             publishers[0].mark,
             "params-publisher",
-            f"{len(owners)} nodes have parameters, and one node publishes those of at most "
-            f"{MAX_PARAM_NODES}",
-            "leave this one out: then parameters are fixed",
+            f"expected at most {MAX_PARAM_NODES} nodes with parameters, found {len(owners)}",
+            "remove this node: then parameters cannot change in flight",
         )
     for node in owners:
         longest = max(node.params, key=len)
@@ -40,7 +39,7 @@ def check_params_publisher(nodes: dict[str, Node], report: Report) -> None:
             report.error(
                 node.mark,
                 "params-name",
-                f"'{name}' is longer than the {MAX_PARAM_NAME} characters by which "
-                f"'{publishers[0].name}' is asked for it",
+                f"expected a parameter name of at most {MAX_PARAM_NAME} characters, found "
+                f"{len(name)}: '{name}'",
                 "give the node a shorter name",
             )
