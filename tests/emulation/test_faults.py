@@ -33,7 +33,7 @@ def plan() -> Plan:
 def run(image: Path, folder: Path, told: str) -> list[FaultRecord]:
     """What each start of the firmware told of the run before."""
     plant = [str(build_plant()), "--duration", "2"]
-    finished = fly(needs_emulator(), image, plant, folder / "flight.ulg", told=told)
+    finished = fly(needs_emulator(), image, plant, folder / "flight.ulg", argument=told)
     return records_in(finished.stderr)
 
 

@@ -1,4 +1,4 @@
-"""What no image may hold: its symbols and instructions say it, whatever the source says."""
+"""The rules of images, checked on symbols and instructions instead of the source."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 TOOLS = "arm-none-eabi-"
 
-# Symbols, and why none of them may be there.
+# Forbidden symbols, and what they mean.
 DOUBLE = (
     r"__aeabi_(d\w+|[filu]+2d|f2d|h2d)|__\w+df[23]|__\w+didf|__\w+sidf"
     r"|__truncdfsf2|__extendsfdf2"
@@ -23,13 +23,13 @@ FORBIDDEN = {
     r"_ZGV\w+|__cxa_guard_\w+": "a guard variable",
     DOUBLE: "double precision, which this chip has no instructions for",
 }
-# From newlib's libm; our own are in stator::math, so that a plain C name is none of ours.
+# The names of newlib's libm. Our own functions are in stator::math, never plain C names.
 NAMES = """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2
     expm1 fabs fdim floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10
     log1p log2 logb lrint lround modf nearbyint nextafter pow remainder remquo rint round scalbln
     scalbn sin sinh sincos sqrt tan tanh tgamma trunc"""
 LIBM = frozenset(f"{name}{suffix}" for suffix in ("", "f", "l") for name in NAMES.split())
-# PRIMASK and FAULTMASK keep out even what touches no topic. A write of them is CPS or MSR.
+# PRIMASK and FAULTMASK mask interrupts that touch no topic, too. CPS and MSR write them.
 MASKS = re.compile(r"\t(cps(id|ie)\b|msr\s+(primask|faultmask)\b)", re.IGNORECASE)
 BASEPRI = re.compile(r"\tmsr\s+basepri(_max)?\b", re.IGNORECASE)
 FUNCTION = re.compile(r"^[0-9a-f]+ <(.+)>:$")
@@ -43,17 +43,17 @@ STACK = ("stator_stack_begin", "stator_stack_end")
 
 
 def faults_of(image: Path) -> list[str]:
-    """One line for each rule that the image breaks; empty for a good one."""
+    """One line for each rule that the image breaks."""
     return [*_symbol_faults(image), *_instruction_faults(image), *_dma_faults(image)]
 
 
 def _dma_faults(image: Path) -> list[str]:
-    """DMA does not reach the core-coupled memory, which the stack has to itself."""
+    """DMA does not reach the core-coupled memory, which holds the stack only."""
     symbols = [line.split(maxsplit=2) for line in _run("nm", "-C", str(image)).splitlines()]
     at = {parts[2]: int(parts[0], 16) for parts in symbols if len(parts) == 3}
     stack = range(at.get(STACK[0], 0), at.get(STACK[1], 0))
     return [
-        f"the image has {name} where DMA does not reach"
+        f"DMA cannot reach {name}: it is in the memory of the stack"
         for name, address in at.items()
         if name.startswith(DMA_BUFFER) and address in stack
     ]
@@ -62,13 +62,13 @@ def _dma_faults(image: Path) -> list[str]:
 def _symbol_faults(image: Path) -> list[str]:
     names = [line.split()[-1] for line in _run("nm", str(image)).splitlines() if line.split()]
     faults = [
-        f"the image has {name}: {why}"
+        f"the image uses {name}: {why}"
         for name in names
         for pattern, why in FORBIDDEN.items()
         if re.fullmatch(pattern, name)
     ]
     return faults + [
-        f"the image has {name}: libm, which gives other bits on other machines"
+        f"the image uses {name}: a libm function, whose bits differ between machines"
         for name in names
         if name in LIBM
     ]
@@ -84,12 +84,12 @@ def _instruction_faults(image: Path) -> list[str]:
         elif MASKS.search(line):
             faults.append(f"{function} masks all interrupts: {' '.join(line.split()[1:])}")
         elif BASEPRI.search(line) and not SECTION.match(function):
-            faults.append(f"{function} writes BASEPRI, which only topic operations may")
+            faults.append(f"{function} writes BASEPRI: only topic operations may")
     return faults
 
 
 def sections_of(image: Path) -> dict[str, dict[str, int]]:
-    """Topic -> operation -> the most instructions with BASEPRI raised, on any way through it."""
+    """Topic -> operation -> instructions with BASEPRI raised, on the longest path."""
     found: dict[str, dict[str, int]] = {}
     code = _run("objdump", "-d", "-C", "--no-show-raw-insn", str(image))
     for text in code.split("\n\n"):
@@ -103,11 +103,12 @@ def sections_of(image: Path) -> dict[str, dict[str, int]]:
 
 _INSTRUCTION = re.compile(r"^ *([0-9a-f]+):\t(\S+)(?:\t(.*))?$")
 _BRANCH = re.compile(r"^(b|cbn?z)(eq|ne|cs|cc|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)?(\.[nw])?$")
-_ENDS = ("bl", "bx", "pop", "udf", ".word")  # inside a section a call is that of `fail`
+_ENDS = ("bl", "bx", "pop", "udf", ".word")  # a call inside a section is a call of `fail`
 
 
 def _longest_section(body: str) -> int:
-    """From the write that raises BASEPRI to the one that restores it, over all branches."""
+    """Instructions from the write that raises BASEPRI to the one that restores it, the longest
+    path."""
     lines = [match.groups() for match in map(_INSTRUCTION.match, body.splitlines()) if match]
     index = {int(at, 16): i for i, (at, _, _) in enumerate(lines)}
 

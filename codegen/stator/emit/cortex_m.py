@@ -133,7 +133,7 @@ def image(plan: Plan) -> Row:
     missing = [name for name in MEMORIES if name not in plan.board.chip.memory]
     if missing:
         raise UserError(
-            f"error: chip {plan.board.chip.name} has no memory {', '.join(missing)}\n"
+            f"error: missing memory {', '.join(missing)} of chip {plan.board.chip.name}\n"
             f'hint: add `memory: {{{missing[0]}: {{at: "0x20000000", bytes: 131072}}}}` to its file'
         )
     return {

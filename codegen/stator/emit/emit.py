@@ -163,7 +163,7 @@ def write(files: dict[str, str], folder: Path) -> int:
     except OSError as error:
         raise UserError(
             f"error: cannot write '{error.filename or folder}': {error.strerror}\n"
-            "hint: name a folder that is new, empty, or an earlier output"
+            "hint: use a folder that is new, empty, or an earlier output"
         ) from error
 
 
@@ -171,8 +171,8 @@ def _write(files: dict[str, str], folder: Path) -> int:
     manifest = folder / MANIFEST
     if not manifest.is_file() and folder.is_dir() and any(folder.iterdir()):
         raise UserError(
-            f"error: '{folder}' has files that are not an earlier output\n"
-            "hint: name a folder that is new or empty"
+            f"error: expected a new or empty folder, found '{folder}' with other files\n"
+            "hint: use a folder that is new, empty, or an earlier output"
         )
     old = manifest.read_bytes().decode(errors="replace").split("\n") if manifest.is_file() else []
     # What a run leaves that could not write all is an earlier output, too.

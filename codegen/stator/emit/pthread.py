@@ -58,9 +58,9 @@ def depth(plan: Plan, topic: TopicPlan) -> int:
 
 
 def slots(plan: Plan, topic: TopicPlan) -> int:
-    """D + what each level may hold besides, as levels truly run at once: the newest sample that it
-    has read, one that it takes from the queue, one that it builds; and the newest that the link has
-    told of. docs/topics.md has the argument."""
+    """D plus the samples that each level can hold, because levels run at the same time: the newest
+    sample that it has read, one from the queue, and one that it builds; plus the newest sample
+    that the link has sent. docs/topics.md has the argument."""
     held = {(name, _hold(plan, name, port)) for name, port in topic.readers}
     held |= {(name, "loan") for name in topic.publishers}
     if topic.owner:

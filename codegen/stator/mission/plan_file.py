@@ -120,7 +120,7 @@ def _row(number: int, command: int, frame: int, params: list[float]) -> _Row:
         if abs(value) > MAX_NUMBER:
             raise _Refusal(
                 f"item {number}: parameter {index}: expected a number from {-MAX_NUMBER:g} to "
-                f"{MAX_NUMBER:g}, found another one\nhint: correct it, and save the plan again"
+                f"{MAX_NUMBER:g}, found another\nhint: correct it, and save the plan again"
             )
     return _Row(number, command, frame, tuple(float(value) for value in params))
 
@@ -138,8 +138,8 @@ def _is_number(value: Any) -> bool:
 
 
 def _read_text(text: str) -> Mission:
-    """One item a line: index, current, frame, command, seven numbers, autocontinue. The first item is
-    home."""
+    """One item a line: index, current, frame, command, seven numbers, autocontinue. The first item
+    is home."""
     rows = []
     for number, line in enumerate(text.splitlines()[1:]):
         words = line.split()

@@ -146,7 +146,7 @@ FENCED = "fence: {radius: 50 m, height: 20 m}\nitems: [takeoff: {height: 5 m}, "
         ),
         (
             "eight: {north: 45 m, length: 12 m, speed: 3 m/s}]",
-            "item 2, figure of eight: expected a distance of at most 50 m (the fence), found 51.0 m",
+            "item 2, figure of eight: expected a distance of at most 50 m (the fence), found 51",
         ),
     ],
 )

@@ -62,7 +62,7 @@ def test_firmware_resets(tmp_path: Path) -> None:
     image = build(GRAPH, "qemu_f405", executor="cortex_m")
     log = tmp_path / "restart.ulg"
     plant = [str(build_plant()), "--duration", "3"]
-    finished = fly(emulator, image, plant, log, told="restart")
+    finished = fly(emulator, image, plant, log, argument="restart")
     assert finished.returncode == 0, finished.stderr
     assert "record" not in finished.stderr, "no fault"
     assert json.loads(finished.stdout)["ended"] == "time_limit"
