@@ -114,8 +114,11 @@ def test_an_old_emulator_is_refused(
     monkeypatch.setenv("STATOR_QEMU", str(old))
     assert cli.main(["emulate", str(QUAD)]) == 2
     error = capsys.readouterr().err
-    assert "error: QEMU emulator version 7.2.22 has no machine olimex-stm32-h405" in error
-    assert "hint: QEMU 10 or newer is needed" in error
+    assert (
+        "error: expected QEMU with the machine olimex-stm32-h405, found QEMU emulator version 7.2.22"
+        in error
+    )
+    assert "hint: install QEMU 10 or newer" in error
 
 
 def test_a_board_that_is_no_firmware_is_refused(
@@ -124,5 +127,5 @@ def test_a_board_that_is_no_firmware_is_refused(
 ) -> None:
     assert cli.main(["emulate", str(QUAD), "--board", "sitl"]) == 2
     error = capsys.readouterr().err
-    assert "error: board 'sitl' runs on the executor virtual, not cortex_m" in error
-    assert "hint: ./stator fly flies it" in error
+    assert "error: expected a board with executor cortex_m, found 'sitl' with virtual" in error
+    assert "hint: use ./stator fly" in error

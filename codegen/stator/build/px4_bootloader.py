@@ -71,7 +71,8 @@ class Bootloader:
         if image_bytes > self.flash_bytes:
             raise UserError(
                 f"error: expected an image of at most {self.flash_bytes} bytes, found "
-                f"{image_bytes}; nothing was erased\nhint: make the graph smaller; ./stator build shows its parts"
+                f"{image_bytes}; nothing was erased\n"
+                "hint: make the graph smaller; ./stator build shows its parts"
             )
 
     def erase(self) -> None:

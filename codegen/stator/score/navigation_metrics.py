@@ -1,5 +1,5 @@
-"""Metrics of the navigation node on recorded flights: attitudes, innovations, and the position error
-after a time without satellites."""
+"""Metrics of the navigation node on recorded flights: attitudes, innovations, and the position
+error after a time without satellites."""
 
 from __future__ import annotations
 

@@ -85,5 +85,5 @@ def test_a_build_folder_of_somebody_else(
     monkeypatch.setattr("os.access", lambda *_: False)
     assert cli.main(["fly", str(HOME / "graph" / "quad.yaml")]) == 2
     error = capsys.readouterr().err
-    assert "error: cannot write in '" in error
+    assert "error: cannot write to the build folder '" in error
     assert "hint: it belongs to somebody else" in error

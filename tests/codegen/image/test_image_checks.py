@@ -82,7 +82,7 @@ def test_an_image_without_faults_has_none(tmp_path: Path) -> None:
                 "-Wl,--defsym=stator_stack_begin=0",
                 "-Wl,--defsym=stator_stack_end=0xf0000000",
             ],
-            "bytes where DMA does not reach",
+            "bytes: it is in the memory of the stack",
         ),
         ('int main() { asm volatile("cpsid i"); }', [], "main masks all interrupts: cpsid"),
         ('int main() { asm volatile("msr primask, r0"); }', [], "main masks all interrupts: msr"),

@@ -83,5 +83,6 @@ def test_a_log_that_cannot_be_read(
 def test_a_kind_of_picture_that_is_none(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["plot", str(log), "-o", str(log.with_name("flight.doc"))]) == 2
     assert (
-        "'flight.doc' is no kind of picture\nhint: .png, .svg, .pdf are" in capsys.readouterr().err
+        "expected a file name that ends in .png, .svg, .pdf, found 'flight.doc'\nhint: "
+        in capsys.readouterr().err
     )

@@ -180,18 +180,21 @@ def make_bad_peers(folder: Path) -> Path:
     [
         (
             make_missing,
-            "there is no folder '{folder}/nowhere'\nhint: name one with *.f32.gz recordings",
+            "missing folder '{folder}/nowhere'\nhint: give a folder with files *.f32.gz",
         ),
-        (make_empty, "no recordings in '{folder}'\nhint: their names end in .f32.gz"),
-        (make_corrupt, "'{folder}/a.f32.gz' is no sound gzip file ("),
-        (make_not_gzip, "'{folder}/a.f32.gz' is no sound gzip file (Not a gzipped file"),
-        (make_truncated, "'{folder}/a.f32.gz' ends too early\nhint: fetch the file again"),
-        (make_wrong_size, "'{folder}/a.f32.gz' holds 167980 bytes, not 14 planes of float32"),
-        (make_of_nothing, "'{folder}/a.f32.gz' holds 0 bytes, not 14 planes of float32"),
-        (make_a_folder, "cannot read '{folder}/a.f32.gz' (Is a directory)"),
-        (make_without_truth, "'{folder}/a.f32.gz' has no truth while it moves"),
-        (make_without_motion, "'{folder}/a.f32.gz' has no truth while it moves"),
-        (make_bad_peers, "cannot understand '{folder}/peer_rmse.csv'"),
+        (make_empty, "expected recordings *.f32.gz in '{folder}', found none"),
+        (make_corrupt, "'{folder}/a.f32.gz' is not a valid gzip file ("),
+        (make_not_gzip, "'{folder}/a.f32.gz' is not a valid gzip file (Not a gzipped file"),
+        (make_truncated, "'{folder}/a.f32.gz' is incomplete\nhint: fetch the file again"),
+        (make_wrong_size, "expected 14 planes of float32 in '{folder}/a.f32.gz', found 167980"),
+        (make_of_nothing, "expected 14 planes of float32 in '{folder}/a.f32.gz', found 0"),
+        (make_a_folder, "cannot read '{folder}/a.f32.gz': Is a directory"),
+        (make_without_truth, "missing truth in '{folder}/a.f32.gz'"),
+        (make_without_motion, "missing truth in '{folder}/a.f32.gz'"),
+        (
+            make_bad_peers,
+            "expected the columns trial,filter,total,heading,incl in '{folder}/peer_rmse.csv'",
+        ),
     ],
 )
 def test_it_refuses(

@@ -35,7 +35,7 @@ def starts_before(log: Path) -> list[int]:
 def test_it_ends_a_simulated_flight(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = tmp_path / "restart.ulg"
     facts = facts_of(capsys, "fly", "-o", str(log), "--duration", "5")
-    assert facts["reason"] == "ended by a restart that somebody who may asked for"
+    assert facts["reason"] == "ended by an authorised restart request"
     assert starts_before(log) == []
     (asked,) = ULog(str(log)).get_dataset("restart_request").data["timestamp"]
     # Half a second, and the period of the driver.
