@@ -200,7 +200,7 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
     [
         (1, "the thread of a level: "),
         (2, "the thread of lines: "),
-        (3, "no thread for the simulated world\nhint: "),
+        (3, "a thread for the simulated world\nhint: "),
     ],
 )
 def test_threads_that_are_missing_are_told(tmp_path: Path, number: int, what: str) -> None:
@@ -244,7 +244,7 @@ def test_the_log_of_another_run_is_left_to_it(
         while not log.is_file() or log.stat().st_size < 20_000:
             time.sleep(0.05)
         assert main(["run", "--link", LINK, "-o", str(log)]) == 2
-        assert f"'{log}' is being written by another run\nhint: " in capsys.readouterr().err
+        assert f"another run writes to '{log}'\nhint: " in capsys.readouterr().err
         other.terminate()
     assert ULog(str(log)).data_list
 

@@ -257,12 +257,12 @@ def test_it_is_as_good_as_basic_vqf_on_real_recordings(capsys: pytest.CaptureFix
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        ([], "wrong arguments"),
-        (["--log", "{folder}/log"], "wrong arguments"),
-        (["--recording"], "wrong arguments"),
+        ([], "expected the options"),
+        (["--log", "{folder}/log"], "expected the options"),
+        (["--recording"], "expected the options"),
         (["--recording", "{folder}/nowhere"], "cannot read the recording '{folder}/nowhere'"),
-        (["--recording", "{folder}/short"], "its size is not that of rows of 12"),
-        (["--recording", "{folder}/mixed"], "its rows are not in order of time"),
+        (["--recording", "{folder}/short"], "expected rows of 12 64-bit numbers"),
+        (["--recording", "{folder}/mixed"], "expected rows in order of time"),
         (["--recording", "{folder}"], "cannot read the recording"),
         (["--recording", "{folder}/good", "--log", "{folder}/no/log"], "cannot open"),
     ],

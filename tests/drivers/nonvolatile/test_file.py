@@ -84,7 +84,7 @@ def test_what_is_no_such_file_is_left_alone(
     records: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     records.write_text("dear diary")
-    assert "it is no file of records" in refusal(records, capsys)
+    assert "expected a file of records" in refusal(records, capsys)
     assert records.read_text() == "dear diary"
     assert "Is a directory" in refusal(records.parent, capsys)
 
@@ -92,4 +92,4 @@ def test_what_is_no_such_file_is_left_alone(
 def test_another_run_has_it(records: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with records.open("wb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
-        assert "another run has it" in refusal(records, capsys)
+        assert "another run uses it" in refusal(records, capsys)
