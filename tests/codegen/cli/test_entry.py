@@ -111,7 +111,7 @@ def test_commands_that_build_nothing_need_no_packages(machine: Machine) -> None:
 def test_without_python_it_says_what_to_install(machine: Machine) -> None:
     result = machine.run("check")
     assert result.returncode == 2
-    assert "needs Python 3.11 or newer to start; found: no working python3" in result.stdout
+    assert "expected Python 3.11 or newer, found: no working python3" in result.stdout
     assert "hint: on Debian 12, Ubuntu 24.04 or newer: sudo apt-get install" in result.stdout
 
 
@@ -120,7 +120,7 @@ def test_a_python_that_is_too_old_is_named(machine: Machine) -> None:
     machine.add_program("python3", '[[ $1 == --version ]] && echo "Python 3.9.2" || echo')
     result = machine.run("check")
     assert result.returncode == 2
-    assert "needs Python 3.11 or newer to start; found: Python 3.9.2" in result.stdout
+    assert "expected Python 3.11 or newer, found: Python 3.9.2" in result.stdout
 
 
 def test_a_broken_shim_is_passed_over(machine: Machine) -> None:

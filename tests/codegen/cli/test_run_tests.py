@@ -83,7 +83,7 @@ def test_names_select(project: Path) -> None:
 def test_no_test_at_all_is_a_failure(project: Path) -> None:
     status, lines = run(project, "no_such_name")
     assert status == 1
-    assert lines[-3:] == [
+    assert lines[-4:] == [
         "no test ran: no test matches no_such_name",
         "hint: add --long to include the long tests",
         "",

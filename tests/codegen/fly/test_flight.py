@@ -154,7 +154,7 @@ def test_tilt_error_is_the_angle_between_verticals() -> None:
     assert judgement.tilt is not None
     assert judgement.tilt.rms_deg == pytest.approx(1.0)
     assert texts(judgement)[0].startswith("estimated tilt: RMS error 1.00 deg (limit 0.5 deg), ")
-    assert texts(judgement)[0].endswith("greatest error 1.00 deg at 3.00 s")
+    assert texts(judgement)[0].endswith("greatest error 1.00 deg at 5.00 s")
 
 
 def test_heading_error_is_no_tilt_error() -> None:

@@ -63,7 +63,7 @@ def test_a_broken_limit_is_drawn_where_it_broke(log: Path, tmp_path: Path) -> No
     [
         ("absent.ulg", None, "No such file or directory\nhint: ./stator fly writes a log"),
         (".", None, "Is a directory\nhint: ./stator fly writes a log"),
-        ("text.ulg", b"not a log", "is no ULog file that can be read"),
+        ("text.ulg", b"not a log", "as ULog: "),
     ],
 )
 def test_a_log_that_cannot_be_read(
