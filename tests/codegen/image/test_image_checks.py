@@ -69,7 +69,11 @@ def test_an_image_without_faults_has_none(tmp_path: Path) -> None:
             [],
             "a guard variable",
         ),
-        ("#include <cmath>\nvolatile float a; int main() { a = sinf(a); }", [], "sinf: libm"),
+        (
+            "#include <cmath>\nvolatile float a; int main() { a = sinf(a); }",
+            [],
+            "sinf: a libm function",
+        ),
         ("volatile double a; int main() { a = a * a; }", [], "__aeabi_dmul: double precision"),
         ("volatile float a; volatile double b; int main() { b = a; }", [], "__aeabi_f2d: double"),
         (
