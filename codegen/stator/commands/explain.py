@@ -70,7 +70,7 @@ def _runs(plan: Plan, task: Task) -> list[Row]:
         ("in", f"{shown_path(node.mark.file)}:{node.mark.line}"),
         ("app" if node.device is None else "device", _what(plan, node)),
         ("triggers", triggers_text(node)),
-        ("period", _period(Rates(plan.graph).node(node.name))),
+        ("shortest period", _period(Rates(plan.graph).node(node.name))),
         ("level", _level(plan, task)),
     ]
     if task.vector is not None and plan.board.chip is not None:
@@ -144,7 +144,7 @@ def _topic(plan: Plan, topic: TopicPlan) -> list[Row]:
         ("message", f"{topic.message.name}, {topic.message.bytes} bytes"),
         ("publishers", publishers or "none: these parameters are fixed"),
         ("readers", ", ".join(with_level(name) for name, _ in topic.readers) or "none"),
-        ("period", _period(topic.period_us)),
+        ("shortest period", _period(topic.period_us)),
         ("depth", str(topic.depth)),
         ("slots", f"{topic.slots} ({_bytes(topic)} bytes)"),
         ("publishing", guard),
