@@ -148,7 +148,7 @@ def test_another_graph_is_refused(
     assert cli.main([*words, "--graph", str(HOME / "graph" / "quad.yaml")]) == 2
     assert "another version" in capsys.readouterr().err
     assert cli.main(words) == 2  # it is none of Stator's own
-    assert "a graph called 'waits' runs there" in capsys.readouterr().err
+    assert "of the running graph 'waits'" in capsys.readouterr().err
 
 
 def test_nobody_there(

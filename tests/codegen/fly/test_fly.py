@@ -109,11 +109,11 @@ def test_report_names_every_limit(tmp_path: Path) -> None:
     [
         (
             ["--seed", "-1"],
-            "argument --seed: '-1' is no whole number from 0 to 18446744073709551615",
+            "argument --seed: expected a whole number from 0 to 18446744073709551615, found '-1'",
         ),
-        (["--seed", "1.5"], "argument --seed: '1.5' is no whole number"),
-        (["--duration", "0"], "argument --duration: '0' is no number of seconds above 0"),
-        (["--duration", "nan"], "argument --duration: 'nan' is no number of seconds above 0"),
+        (["--seed", "1.5"], "argument --seed: expected a whole number"),
+        (["--duration", "0"], "argument --duration: expected seconds above 0"),
+        (["--duration", "nan"], "argument --duration: expected seconds above 0"),
         (["--times", "one"], "argument --times: invalid choice: 'one'"),
         (["-o", "/no/such/folder/flight.ulg"], "cannot open '/no/such/folder/flight.ulg'"),
     ],
@@ -155,7 +155,7 @@ def test_budgets_that_are_missing_are_named(tmp_path: Path) -> None:
     assert (
         "error: missing budget of 'log_sink', 'logger': --times budget needs one" in finished.stderr
     )
-    assert "or a file budgets/fmu_v2.yaml beside the graph" in finished.stderr
+    assert "to budgets/fmu_v2.yaml beside the graph" in finished.stderr
 
 
 def test_budgets_let_time_pass(tmp_path: Path) -> None:
