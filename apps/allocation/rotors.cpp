@@ -11,9 +11,9 @@ using Vector4 = Eigen::Matrix<float, 4, 1>;
 using Matrix4 = Eigen::Matrix<float, 4, 4>;
 
 // det(G) over the product of G's diagonal is 1 for rows at right angles and 0 for dependent ones.
-constexpr float kLeastIndependence = 1e-3F;
+constexpr float kMinIndependence = 1e-3F;
 // Below this, a rotor does not help to lift.
-constexpr float kLeastLift = 1e-3F;
+constexpr float kMinLift = 1e-3F;
 
 // Roll, pitch, yaw torque and lift of a unit of thrust: position x thrust, and the drag's moment.
 Vector4 effectiveness(const Rotor& rotor) {
@@ -42,12 +42,12 @@ bool Rotors::set_geometry(std::span<const Rotor> rotors) {
         gram += column * column.transpose();
     }
     const float independence = gram.determinant() / gram.diagonal().prod();
-    if (!(independence > kLeastIndependence)) return false;
+    if (!(independence > kMinIndependence)) return false;
 
     const Matrix4 inverse = gram.inverse();
     for (unsigned i = 0; i < count_; ++i) {
         const Vector4 row = inverse * effectiveness(rotors[i]).cwiseQuotient(most);
-        if (!(row[3] > kLeastLift)) return false;
+        if (!(row[3] > kMinLift)) return false;
         share_[i] = {row[0] / row[3], row[1] / row[3], row[2] / row[3], row[3]};
     }
     find_range();

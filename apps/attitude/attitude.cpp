@@ -5,17 +5,17 @@ namespace stator {
 
 namespace {
 
-// A gap longer than this breaks the integration: gravity is found anew.
-constexpr float kLongestGap = 0.25f;  // s
+// A gap longer than this breaks the integration: gravity is found again, as at the start.
+constexpr float kLongestGap = 0.25F;  // s
 // Corrections are slow: the samples of this long are averaged first.
 constexpr uint64_t kCorrectionInterval = 10'000;  // us
 // Motion capture that was away for longer is followed at once, as at the start, whatever turned in
 // the meantime: the vehicle or its reference.
-constexpr float kLongestCaptureGap = 1.0f;    // s
+constexpr float kLongestCaptureGap = 1.0F;    // s
 constexpr uint64_t kCaptureHold = 1'000'000;  // us
-constexpr float kMoving = 0.35f;              // rad/s
+constexpr float kMoving = 0.35F;              // rad/s
 // Nearer to the vertical the nose shows no heading.
-constexpr float kLeastLevelNose = 0.2f;
+constexpr float kMinLevelNose = 0.2F;
 
 bool is_finite(const math::Vector3<float>& v) {
     return math::is_finite(v.squaredNorm());
@@ -68,8 +68,8 @@ void Attitude::correct_inclination(float dt, bool may_rest, const AttitudeParams
         bias_.at_rest() ? params.accel_time_constant_at_rest : params.accel_time_constant;
     const Eigen::Vector2f turned = inclination_.correct(dt, time_constant);
     aligned_ = true;
-    if (dt <= 0.0f) return;
-    const Eigen::Vector2f drift_T = turned * (1.0f / dt);
+    if (dt <= 0.0F) return;
+    const Eigen::Vector2f drift_T = turned * (1.0F / dt);
     bias_.update_inclination(inclination_.q_TB().toRotationMatrix(), drift_T, dt, time_constant,
                              params);
 }
@@ -84,19 +84,18 @@ void Attitude::use_motion_capture(const VehicleOdometry& seen, const AttitudePar
     const math::Quaternion<float> q_seen = math::quaternion(seen.q);
     const math::Matrix3<float> R_TB = inclination_.q_TB().toRotationMatrix();
     const float level_nose = R_TB.col(0).head<2>().squaredNorm();
-    if (!math::is_finite(q_seen.squaredNorm()) || level_nose < math::square(kLeastLevelNose))
-        return;
+    if (!math::is_finite(q_seen.squaredNorm()) || level_nose < math::square(kMinLevelNose)) return;
     const std::optional<float> elapsed = capture_clock_.advance(seen.timestamp_sample);
     if (!elapsed) return;
-    const bool anew = *elapsed > kLongestCaptureGap;
-    if (anew) capture_gain_.restart();
-    const float dt = anew ? 0.0f : *elapsed;
+    const bool restarts = *elapsed > kLongestCaptureGap;
+    if (restarts) capture_gain_.restart();
+    const float dt = restarts ? 0.0F : *elapsed;
     capture_until_us_ = seen.timestamp_sample + kCaptureHold;
     const float gain = capture_gain_.next(dt, params.heading_time_constant);
     const float heading_T = math::atan2(R_TB(1, 0), R_TB(0, 0));
     const float turn = gain * heading_.error(heading_T, math::heading(q_seen));
     heading_.turn(turn);
-    if (dt > 0.0f) bias_.update_heading(R_TB, -turn / dt, gain, dt, params);
+    if (dt > 0.0F) bias_.update_heading(R_TB, -turn / dt, gain, dt, params);
 }
 
 void Attitude::use_magnetometer(const SensorMag& sample, const AttitudeParams& params) {

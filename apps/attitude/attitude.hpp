@@ -31,7 +31,7 @@ class SampleClock {
         const uint64_t elapsed_us = started_ ? timestamp_us - last_us_ : 0;
         started_ = true;
         last_us_ = timestamp_us;
-        return static_cast<float>(elapsed_us) * 1e-6f;
+        return static_cast<float>(elapsed_us) * 1e-6F;
     }
 
   private:

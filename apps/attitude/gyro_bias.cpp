@@ -6,8 +6,8 @@ namespace stator {
 namespace {
 
 // Seconds in which an uncertainty of zero grows to `bias_uncertainty_in_motion`.
-constexpr float kForgettingTime = 100.0f;
-constexpr float kRestTimeConstant = 0.5f;
+constexpr float kForgettingTime = 100.0F;
+constexpr float kRestTimeConstant = 0.5F;
 
 float growth(const AttitudeParams& params) {
     return math::square(params.bias_uncertainty_in_motion) / kForgettingTime;
@@ -42,12 +42,12 @@ void GyroBias::update_rest(const Vector& rate_B, const Vector& force_B, bool may
     const bool quiet = may_rest && moves < math::square(params.rest_gyro_deviation) &&
                        shakes < math::square(params.rest_accel_deviation) &&
                        rate_B_.value().cwiseAbs().maxCoeff() < params.bias_limit;
-    quiet_s_ = quiet ? math::min(quiet_s_ + dt, params.rest_least_time) : 0.0f;
+    quiet_s_ = quiet ? math::min(quiet_s_ + dt, params.rest_least_time) : 0.0F;
     at_rest_ = quiet && quiet_s_ >= params.rest_least_time;
-    if (!at_rest_ || dt <= 0.0f) return;
+    if (!at_rest_ || dt <= 0.0F) return;
     const float noise = noise_for(params.bias_uncertainty_at_rest, dt, params);
-    const Vector residual = rate_B_.value() - bias_;
-    for (int axis = 0; axis < 3; ++axis) correct(Vector::Unit(axis), residual(axis), noise);
+    const Vector innovation = rate_B_.value() - bias_;
+    for (int axis = 0; axis < 3; ++axis) correct(Vector::Unit(axis), innovation(axis), noise);
 }
 
 void GyroBias::update_inclination(const math::Matrix3<float>& R_TB, const Eigen::Vector2f& drift_T,
@@ -55,7 +55,7 @@ void GyroBias::update_inclination(const math::Matrix3<float>& R_TB, const Eigen:
     Eigen::Matrix<float, 2, 4> rows;
     rows << R_TB.topRows<2>(), R_TB.topRows<2>() * bias_;
     inclination_.update(rows, dt, time_constant);
-    if (at_rest_ || dt <= 0.0f) return;
+    if (at_rest_ || dt <= 0.0F) return;
     const float noise = noise_for(params.bias_uncertainty_in_motion, dt, params);
     for (int row = 0; row < 2; ++row) {
         const Vector direction = inclination_.value().row(row).head<3>();
@@ -69,7 +69,7 @@ void GyroBias::update_heading(const math::Matrix3<float>& R_TB, float drift, flo
     Eigen::Vector4f row;
     row << R_TB.row(2).transpose(), R_TB.row(2).dot(bias_);
     heading_ += (row - heading_) * gain;
-    if (at_rest_ || dt <= 0.0f) return;
+    if (at_rest_ || dt <= 0.0F) return;
     const Vector direction = heading_.head<3>();
     const float measured = drift + heading_(3);
     const float noise = noise_for(params.bias_uncertainty_at_rest, dt, params);
@@ -80,14 +80,14 @@ void GyroBias::restart() {
     inclination_.restart();
     rate_B_.restart();
     force_B_.restart();
-    quiet_s_ = 0.0f;
+    quiet_s_ = 0.0F;
     at_rest_ = false;
 }
 
-void GyroBias::correct(const Vector& direction, float residual, float noise) {
+void GyroBias::correct(const Vector& direction, float innovation, float noise) {
     const Vector spread = covariance_ * direction;
-    const float scale = 1.0f / (direction.dot(spread) + noise);
-    bias_ += spread * (residual * scale);
+    const float scale = 1.0F / (direction.dot(spread) + noise);
+    bias_ += spread * (innovation * scale);
     covariance_ -= spread * spread.transpose() * scale;
 }
 

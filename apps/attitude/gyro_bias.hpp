@@ -35,13 +35,13 @@ class GyroBias {
     void restart();
 
   private:
-    void correct(const Vector& direction, float residual, float noise);
+    void correct(const Vector& direction, float innovation, float noise);
 
     Vector bias_ = Vector::Zero();
     math::Matrix3<float> covariance_ = math::Matrix3<float>::Zero();
     bool started_ = false;
     bool at_rest_ = false;
-    float quiet_s_ = 0.0f;
+    float quiet_s_ = 0.0F;
     LowPass<Vector> rate_B_;
     LowPass<Vector> force_B_;
     // Per row: a row of R_TB, and that row times the estimate.

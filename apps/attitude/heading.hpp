@@ -18,11 +18,11 @@ class Heading {
     }
     void turn(float angle) {
         angle_ = math::wrap_pi(angle_ + angle);
-        q_NT_ = math::from_axis_angle(math::Vector3<float>(0.0f, 0.0f, 1.0f), angle_);
+        q_NT_ = math::from_axis_angle(math::Vector3<float>(0.0F, 0.0F, 1.0F), angle_);
     }
 
   private:
-    float angle_ = 0.0f;
+    float angle_ = 0.0F;
     math::Quaternion<float> q_NT_ = math::Quaternion<float>::Identity();
 };
 

@@ -29,7 +29,7 @@ class Inclination {
     // radians; zero if gravity was just found.
     Eigen::Vector2f correct(float dt, float time_constant);
 
-    // Finds gravity anew, as at the start.
+    // Finds gravity again, as at the start.
     void restart() {
         felt_I_ = Average();
         force_I_.restart();

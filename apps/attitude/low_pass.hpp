@@ -12,16 +12,16 @@ class FollowGain {
   public:
     // 0 to 1, for a sample `dt` after the one before. One of less `trust` counts for less, except
     // while there is nothing better.
-    float next(float dt, float time_constant, float trust = 1.0f) {
+    float next(float dt, float time_constant, float trust = 1.0F) {
         filled_ += dt;
-        if (filled_ <= 0.0f) return 1.0f;
+        if (filled_ <= 0.0F) return 1.0F;
         const float follow = trust * dt / (time_constant + dt);
         return filled_ < time_constant ? math::max(dt / filled_, follow) : follow;
     }
-    void restart() { filled_ = 0.0f; }
+    void restart() { filled_ = 0.0F; }
 
   private:
-    float filled_ = 0.0f;
+    float filled_ = 0.0F;
 };
 
 // Mean of what was added since it was taken last.
@@ -31,17 +31,17 @@ class Average {
 
     void add(const Vector& sample) {
         sum_ += sample;
-        count_ += 1.0f;
+        count_ += 1.0F;
     }
     Vector take() {
-        const Vector mean = count_ > 0.0f ? Vector(sum_ * (1.0f / count_)) : sum_;
+        const Vector mean = count_ > 0.0F ? Vector(sum_ * (1.0F / count_)) : sum_;
         *this = Average();
         return mean;
     }
 
   private:
     Vector sum_ = Vector::Zero();
-    float count_ = 0.0f;
+    float count_ = 0.0F;
 };
 
 // Second-order Butterworth of vectors, with the delay `time_constant` at low frequencies:
@@ -53,12 +53,12 @@ class LowPass {
     void update(const Vector& sample, float dt, float time_constant) {
         filled_ += dt;
         if (filled_ < time_constant) {
-            value_ += (sample - value_) * (filled_ > 0.0f ? dt / filled_ : 1.0f);
+            value_ += (sample - value_) * (filled_ > 0.0F ? dt / filled_ : 1.0F);
             return;
         }
         const float x = dt / time_constant;
-        const float inverse = 1.0f / (1.0f + 2.0f * x * (1.0f + x));
-        rate_ = (rate_ + (sample - value_) * (2.0f * x / time_constant)) * inverse;
+        const float inverse = 1.0F / (1.0F + 2.0F * x * (1.0F + x));
+        rate_ = (rate_ + (sample - value_) * (2.0F * x / time_constant)) * inverse;
         value_ += rate_ * dt;
     }
     const Vector& value() const { return value_; }
@@ -67,7 +67,7 @@ class LowPass {
   private:
     Vector value_ = Vector::Zero();
     Vector rate_ = Vector::Zero();
-    float filled_ = 0.0f;
+    float filled_ = 0.0F;
 };
 
 }  // namespace stator

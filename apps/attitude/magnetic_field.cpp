@@ -5,13 +5,13 @@ namespace stator {
 
 namespace {
 
-constexpr float kSmoothing = 0.05f;          // s
-constexpr float kUsualTimeConstant = 20.0f;  // s
-constexpr float kLeastUndisturbed = 0.5f;    // s
-constexpr float kFirstCandidate = 5.0f;      // s of motion before a first field is believed
-constexpr float kNewCandidate = 20.0f;       // and another one
-constexpr float kDistrust = 0.5f;            // of a field that stayed disturbed for too long
-constexpr float kRecovery = 2.0f;  // how much faster rejected time is forgotten than it gathers
+constexpr float kSmoothing = 0.05F;          // s
+constexpr float kUsualTimeConstant = 20.0F;  // s
+constexpr float kMinUndisturbed = 0.5F;      // s
+constexpr float kFirstCandidate = 5.0F;      // s of motion before a first field is believed
+constexpr float kNewCandidate = 20.0F;       // and another one
+constexpr float kDistrust = 0.5F;            // of a field that stayed disturbed for too long
+constexpr float kRecovery = 2.0F;  // how much faster rejected time is forgotten than it gathers
 
 // True if two fields agree in strength and dip.
 bool agree(const Eigen::Vector2f& a, const Eigen::Vector2f& b, const AttitudeParams& params) {
@@ -21,7 +21,7 @@ bool agree(const Eigen::Vector2f& a, const Eigen::Vector2f& b, const AttitudePar
     if (!(difference < params.mag_strength_tolerance * strength_b)) return false;
     // The tolerance is small, so that its sine is as good as itself.
     const float cross = math::abs(a.x() * b.y() - a.y() * b.x());
-    return a.dot(b) > 0.0f && cross < params.mag_dip_tolerance * strength_a * strength_b;
+    return a.dot(b) > 0.0F && cross < params.mag_dip_tolerance * strength_a * strength_b;
 }
 
 }  // namespace
@@ -31,29 +31,29 @@ float MagneticField::trust(const math::Vector3<float>& field_T, bool moving, flo
     const Strength sample(math::norm(field_T.head<2>()), field_T.z());
     now_ += (sample - now_) * smoothing_.next(dt, kSmoothing);
     const bool usual = agree(now_, usual_, params);
-    undisturbed_s_ = usual ? undisturbed_s_ + dt : 0.0f;
-    if (undisturbed_s_ >= kLeastUndisturbed) {
+    undisturbed_s_ = usual ? undisturbed_s_ + dt : 0.0F;
+    if (undisturbed_s_ >= kMinUndisturbed) {
         usual_ += (now_ - usual_) * (dt / (kUsualTimeConstant + dt));
-        candidate_s_ = 0.0f;
-        rejected_s_ = math::max(rejected_s_ - kRecovery * dt, 0.0f);
-        return 1.0f;
+        candidate_s_ = 0.0F;
+        rejected_s_ = math::max(rejected_s_ - kRecovery * dt, 0.0F);
+        return 1.0F;
     }
     look_for_another(moving, dt, params);
-    const bool first = usual_.isZero(0.0f);
+    const bool first = usual_.isZero(0.0F);
     if (first || rejected_s_ >= params.mag_longest_rejection) return kDistrust;
     rejected_s_ += dt;
-    return 0.0f;
+    return 0.0F;
 }
 
 void MagneticField::look_for_another(bool moving, float dt, const AttitudeParams& params) {
     if (!agree(now_, candidate_, params)) {
         candidate_ = now_;
-        candidate_s_ = 0.0f;
+        candidate_s_ = 0.0F;
         return;
     }
     candidate_ += (now_ - candidate_) * (dt / (kUsualTimeConstant + dt));
     if (moving) candidate_s_ += dt;
-    const float enough = usual_.isZero(0.0f) ? kFirstCandidate : kNewCandidate;
+    const float enough = usual_.isZero(0.0F) ? kFirstCandidate : kNewCandidate;
     if (candidate_s_ >= enough) usual_ = candidate_;
 }
 

@@ -8,7 +8,7 @@
 namespace stator {
 
 // Compares strength and dip of the field with those it had for long. A field that stays constant
-// while the vehicle moves about is no disturbance of one place: after a while it is believed.
+// while the vehicle moves about is not the disturbance of one place: after a while it is believed.
 class MagneticField {
   public:
     // Of a field sample in a level frame, `dt` after the one before: how much its direction is
@@ -26,9 +26,9 @@ class MagneticField {
     Strength usual_ = Strength::Zero();
     Strength candidate_ = Strength::Zero();
     FollowGain smoothing_;
-    float undisturbed_s_ = 0.0f;
-    float candidate_s_ = 0.0f;
-    float rejected_s_ = 0.0f;
+    float undisturbed_s_ = 0.0F;
+    float candidate_s_ = 0.0F;
+    float rejected_s_ = 0.0F;
 };
 
 }  // namespace stator

@@ -44,10 +44,10 @@ Vector3<float> down_B(const Quaternion<float>& q) {
 // Thrust for the tilt that there is, so that a tilt which lags does not cost height.
 std::array<float, 3> upheld(const std::array<float, 3>& thrust_B, const Quaternion<float>& wanted,
                             const Quaternion<float>& q_NB) {
-    constexpr float kLeast = 0.8F;
-    constexpr float kMost = 1.25F;
+    constexpr float kMin = 0.8F;
+    constexpr float kMax = 1.25F;
     const float cos_tilt = math::max(down_B(q_NB).z(), 0.1F);
-    const float part = math::clamp(down_B(wanted).z() / cos_tilt, kLeast, kMost);
+    const float part = math::clamp(down_B(wanted).z() / cos_tilt, kMin, kMax);
     return {thrust_B[0], thrust_B[1], math::max(part * thrust_B[2], -1.0F)};
 }
 

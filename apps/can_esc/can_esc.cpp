@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "stator/dronecan/field.hpp"
 #include "stator/dronecan/port.hpp"
 #include "stator/scalar.hpp"
 
@@ -23,10 +24,6 @@ constexpr float kZeroCelsius = 273.15F;
 // 100 reports a second of 3 frames each: twice what the fastest controllers send.
 constexpr std::array kWanted{dronecan::want<Status>(300)};
 
-bool within(float value, float least, float most) {
-    return value >= least && value <= most;  // and a number
-}
-
 // Stopped is 0; whatever turns gets at least the least command.
 int16_t raw_command(float control) {
     if (math::is_nan(control)) return 0;
@@ -42,7 +39,7 @@ void CanEsc::configure(const CanEscParams& params) {
     nodes.add_range(params.first_node, params.last_node);
     receiver_.allow(nodes);
     node_id_ = static_cast<uint8_t>(params.node_id);
-    count_ = static_cast<unsigned>(std::clamp<int32_t>(params.esc_count, 1, kMost));
+    count_ = static_cast<unsigned>(std::clamp<int32_t>(params.esc_count, 1, kMaxEscs));
     offline_timeout_us_ = math::saturate<uint32_t>(params.offline_timeout * 1e6F);
     interval_us_ = static_cast<uint64_t>(std::max<int32_t>(params.command_interval, 1));
 }
@@ -52,13 +49,15 @@ bool CanEsc::is_online(const Esc& esc, uint64_t now_us) const {
     return esc.node != 0 && now_us <= esc.heard_us + offline_timeout_us_;
 }
 
-// Limits of anything that flies; and a controller speaks for itself only.
+// Limits of anything that flies; and a controller speaks for itself only. What it does not measure
+// is NaN, here and in the report.
 bool CanEsc::is_plausible(const Report& report, uint64_t now_us) const {
     if (report.esc_index >= count_) return false;
     const Esc& esc = escs_[report.esc_index];
     if (is_online(esc, now_us) && esc.node != receiver_.header().source) return false;
-    return within(report.voltage, 0.0F, 200.0F) && within(report.current, -1000.0F, 1000.0F) &&
-           within(report.temperature, 0.0F, 1000.0F);
+    return dronecan::is_possible(report.voltage, 0.0F, 200.0F) &&
+           dronecan::is_possible(report.current, -1000.0F, 1000.0F) &&
+           dronecan::is_possible(report.temperature, 0.0F, 1000.0F);
 }
 
 void CanEsc::receive(const CanFrame& received) {

@@ -19,7 +19,7 @@ class CanEsc {
     void step(CanEscPorts& ports);
 
   private:
-    static constexpr unsigned kMost = 12;
+    static constexpr unsigned kMaxEscs = 12;
     using Report = dronecan::equipment::esc::Status;
     // Of one controller.
     struct Esc {
@@ -40,8 +40,8 @@ class CanEsc {
     void send(CanEscPorts& ports, const Message& message, uint8_t priority, uint8_t& transfer_id,
               uint64_t timestamp_sample);
 
-    dronecan::Receiver<kMost, Report::kType.most_bytes> receiver_;
-    std::array<Esc, kMost> escs_{};
+    dronecan::Receiver<kMaxEscs, Report::kType.most_bytes> receiver_;
+    std::array<Esc, kMaxEscs> escs_{};
     uint64_t offline_timeout_us_ = 0;
     uint64_t next_report_us_ = 0;
     uint64_t interval_us_ = 1;

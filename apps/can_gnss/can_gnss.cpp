@@ -1,8 +1,10 @@
 // A receiver of satellite navigation on a CAN bus.
 #include "can_gnss.hpp"
 
+#include <algorithm>
 #include <cstddef>
 
+#include "stator/dronecan/field.hpp"
 #include "stator/dronecan/port.hpp"
 #include "stator/math/quotient.hpp"
 #include "stator/scalar.hpp"
@@ -22,10 +24,6 @@ constexpr unsigned kWhole = 36;
 constexpr int32_t kDegree = 100'000'000;  // in the fix's unit
 constexpr int32_t kMetre = 1000;
 
-bool within(float value, float least, float most) {
-    return value >= least && value <= most;  // and a number
-}
-
 bool has_position(const Fix& fix) {
     return fix.status == Fix::kStatus2dFix || fix.status == Fix::kStatus3dFix;
 }
@@ -37,18 +35,26 @@ bool is_plausible(const Fix& fix) {
                 fix.longitude_deg_1e8 >= int64_t{-180} * kDegree &&
                 fix.longitude_deg_1e8 <= int64_t{180} * kDegree &&
                 fix.height_msl_mm >= -1000 * kMetre && fix.height_msl_mm <= 60'000 * kMetre;
-    for (const float v : fix.ned_velocity) good = good && within(v, -kFastest, kFastest);
-    for (unsigned i = 0; i < fix.covariance.count; ++i) {
-        good = good && within(fix.covariance.items[i], -65504.0F, 65504.0F);
+    for (const float v : fix.ned_velocity) {
+        good = good && dronecan::is_possible(v, -kFastest, kFastest);
+    }
+    for (const float v : fix.covariance.view()) {
+        good = good && dronecan::is_possible(v, -65504.0F, 65504.0F);
     }
     return good;
 }
 
-// Variance of component `index` of north, east, down position and velocity; negative if untold.
+// Of component `index` of north, east, down position and velocity; NaN if unknown, which some
+// receivers say with a negative number.
 float variance(const Fix& fix, std::size_t index) {
-    if (fix.covariance.count == kDiagonal) return fix.covariance.items[index];
-    if (fix.covariance.count == kWhole) return fix.covariance.items[(kDiagonal + 1) * index];
-    return -1.0F;
+    float value = math::canonical_nan<float>();
+    if (fix.covariance.count == kDiagonal) value = fix.covariance.items[index];
+    if (fix.covariance.count == kWhole) value = fix.covariance.items[(kDiagonal + 1) * index];
+    return value >= 0.0F ? value : math::canonical_nan<float>();
+}
+
+bool has_velocity(const Fix& fix) {
+    return has_position(fix) && !std::ranges::any_of(fix.ned_velocity, math::is_nan<float>);
 }
 
 SensorGps::FixType fix_type(const Fix& fix) {
@@ -81,8 +87,9 @@ bool CanGnss::is_ours(uint64_t now_us) {
 
 void CanGnss::take_geometry(uint64_t now_us) {
     Geometry geometry;
-    if (!dronecan::decode(receiver_.payload(), geometry) || !within(geometry.hdop, 0.0F, 1000.0F) ||
-        !within(geometry.vdop, 0.0F, 1000.0F)) {
+    if (!dronecan::decode(receiver_.payload(), geometry) ||
+        !dronecan::is_possible(geometry.hdop, 0.0F, 1000.0F) ||
+        !dronecan::is_possible(geometry.vdop, 0.0F, 1000.0F)) {
         receiver_.count_undecodable();
         return;
     }
@@ -92,18 +99,11 @@ void CanGnss::take_geometry(uint64_t now_us) {
 
 SensorGps CanGnss::sample(const Fix& fix, const CanGnssParams& params) const {
     const auto latency_us = math::saturate<uint32_t>(params.latency * 1e6F);
-    const bool told = variance(fix, 0) >= 0.0F && variance(fix, 1) >= 0.0F &&
-                      variance(fix, 2) >= 0.0F && variance(fix, 3) >= 0.0F;
-    float horizontal = math::canonical_nan<float>();
-    float vertical = math::canonical_nan<float>();
-    float speed = math::canonical_nan<float>();
-    if (told) {
-        horizontal = math::sqrt(0.5F * (variance(fix, 0) + variance(fix, 1)));
-        vertical = math::sqrt(variance(fix, 2));
-        speed = math::sqrt(math::max(variance(fix, 3), 0.0F));
-    } else if (geometry_us_ != 0 && receiver_.begun_us() <= geometry_us_ + kSilence_us) {
-        horizontal = geometry_.hdop * params.range_error;
-        vertical = geometry_.vdop * params.range_error;
+    float horizontal = math::sqrt(0.5F * (variance(fix, 0) + variance(fix, 1)));
+    float vertical = math::sqrt(variance(fix, 2));
+    if (geometry_us_ != 0 && receiver_.begun_us() <= geometry_us_ + kSilence_us) {
+        if (math::is_nan(horizontal)) horizontal = geometry_.hdop * params.range_error;
+        if (math::is_nan(vertical)) vertical = geometry_.vdop * params.range_error;
     }
     return {.timestamp_sample =
                 receiver_.begun_us() > latency_us ? receiver_.begun_us() - latency_us : 0,
@@ -111,14 +111,14 @@ SensorGps CanGnss::sample(const Fix& fix, const CanGnssParams& params) const {
             .longitude_deg = math::quotient(fix.longitude_deg_1e8, kDegree),
             .altitude_msl_m = math::quotient(fix.height_msl_mm, kMetre),
             .altitude_ellipsoid_m = math::quotient(fix.height_ellipsoid_mm, kMetre),
-            .s_variance_m_s = speed,
+            .s_variance_m_s = math::sqrt(variance(fix, 3)),
             .eph = horizontal,
             .epv = vertical,
             .vel_n_m_s = fix.ned_velocity[0],
             .vel_e_m_s = fix.ned_velocity[1],
             .vel_d_m_s = fix.ned_velocity[2],
             .fix_type = fix_type(fix),
-            .vel_ned_valid = has_position(fix),
+            .vel_ned_valid = has_velocity(fix),
             .satellites_used = fix.sats_used};
 }
 

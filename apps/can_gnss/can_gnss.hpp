@@ -10,7 +10,8 @@
 namespace stator {
 
 // The first node that is heard is the receiver, until it has been silent for some seconds. A fix
-// with an impossible value is dropped whole, and counted.
+// with an impossible value is dropped whole, and counted. What the receiver does not know is NaN;
+// an error that is missing in the fix comes from the geometry, if that has been heard.
 class CanGnss {
   public:
     using Fix = dronecan::equipment::gnss::Fix2;

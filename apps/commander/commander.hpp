@@ -5,7 +5,7 @@
 
 #include "commander_ports.hpp"
 #include "failsafe.hpp"
-#include "lasting.hpp"
+#include "hysteresis.hpp"
 
 namespace stator {
 
@@ -31,10 +31,10 @@ class Commander {
     void disarm_where_due(const CommanderPorts& ports, float dt);
 
     HealthReport health_{};
-    Lasting estimate_holds_;
-    Lasting height_is_gone_;
-    Lasting position_is_gone_;
-    Lasting pilot_is_gone_;
+    Hysteresis estimate_holds_;
+    Hysteresis height_is_gone_;
+    Hysteresis position_is_gone_;
+    Hysteresis pilot_is_gone_;
     Events events_ = 0;
 
     bool is_armed_ = false;
@@ -48,10 +48,10 @@ class Commander {
     float arming_left_s_ = 0.0F;
     uint8_t mode_slot_ = 0;
     bool return_was_on_ = false;
-    Lasting kill_holds_;
-    Lasting stands_;
-    Lasting idles_;
-    Lasting descends_;
+    Hysteresis kill_holds_;
+    Hysteresis stands_;
+    Hysteresis idles_;
+    Hysteresis descends_;
     uint64_t last_us_ = 0;
 };
 

@@ -18,6 +18,11 @@ void Allocator::set_range(int32_t first, int32_t last) {
     last_ = last;
 }
 
+void Allocator::set_own_id(uint8_t own) {
+    own_ = own;
+    note_taken(own);
+}
+
 // Adds a piece to what is collected; false if it does not continue that.
 bool Allocator::collect(const Message& request, uint64_t now_us) {
     if (now_us - collected_us_ > kFollowUp_us) count_ = 0;
@@ -31,12 +36,17 @@ bool Allocator::collect(const Message& request, uint64_t now_us) {
     return true;
 }
 
-// The id of the part whose unique id is collected: the one it had, the one it prefers if that is
-// free, or the next free one from where its unique id points. 0 if all are taken.
-uint8_t Allocator::find(uint8_t preferred) {
+// The id that was given to the part whose unique id is collected; 0: none.
+uint8_t Allocator::find_given() const {
     for (int32_t id = first_; id <= last_; ++id) {
         if (owners_[static_cast<unsigned>(id)] == collected_) return static_cast<uint8_t>(id);
     }
+    return 0;
+}
+
+// The id that a part prefers if that is free, or the next free one from where its unique id points.
+// 0 if all are taken.
+uint8_t Allocator::find_free(uint8_t preferred) const {
     if (preferred >= first_ && preferred <= last_ && !taken_.has(preferred)) return preferred;
     const int32_t count = last_ - first_ + 1;
     if (count <= 0) return 0;
@@ -49,21 +59,41 @@ uint8_t Allocator::find(uint8_t preferred) {
 }
 
 void Allocator::remember(uint32_t node, std::span<const uint8_t> unique_id) {
-    if (node == 0 || node > dronecan::kMostNodeId || unique_id.size() != kUniqueIdBytes) return;
+    if (node == 0 || node > dronecan::kMaxNodeId || unique_id.size() != kUniqueIdBytes) return;
     std::copy(unique_id.begin(), unique_id.end(), owners_[node].begin());
     taken_.add(static_cast<uint8_t>(node));
 }
 
-std::optional<Allocator::Message> Allocator::answer(const Message& request, uint64_t now_us) {
+// Whether the part may have the id that it was given before.
+Allocator::Use Allocator::use_of(uint8_t given, const BusNodes& nodes, uint64_t now_us) {
+    if (given == own_) return Use::kByAnother;
+    if (!nodes.is_online(given, now_us)) return Use::kNone;
+    uint64_t& since_us = asks_since_us_[given];
+    if (since_us == 0) since_us = now_us;
+    return nodes.heard_us(given) > since_us ? Use::kByAnother : Use::kUnclear;
+}
+
+std::optional<Allocator::Message> Allocator::answer(const Message& request, const BusNodes& nodes,
+                                                    uint64_t now_us) {
+    replaced_ = 0;
     if (!collect(request, now_us)) return std::nullopt;
     Message answer;
     answer.unique_id.assign(std::span(collected_).first(count_));
     if (count_ < kUniqueIdBytes) return answer;
     count_ = 0;
     if (collected_ == UniqueId{}) return std::nullopt;
-    answer.node_id = find(request.node_id);
+    const uint8_t given = find_given();
+    const Use use = given == 0 ? Use::kNone : use_of(given, nodes, now_us);
+    if (use == Use::kUnclear) return std::nullopt;
+    const bool keeps = given != 0 && use == Use::kNone;
+    answer.node_id = keeps ? given : find_free(request.node_id);
     is_full_ = answer.node_id == 0;
     if (is_full_) return std::nullopt;
+    if (use == Use::kByAnother) {
+        replaced_ = given;
+        owners_[given] = {};
+    }
+    asks_since_us_[given] = 0;
     owners_[answer.node_id] = collected_;
     taken_.add(answer.node_id);
     return answer;

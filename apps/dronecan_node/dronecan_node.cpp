@@ -20,10 +20,12 @@ constexpr std::string_view kName = "org.stator.vehicle";
 constexpr uint64_t kStatusPeriod_us = 1'000'000;
 // Since the start. The memory takes less than a second.
 constexpr uint64_t kLongestLoad_us = 10'000'000;
-constexpr uint64_t kParameterPatience_us = 500'000;  // who asks waits for a second, as a rule
+// Each node that is on the bus is heard within it.
+constexpr uint64_t kListen_us = uint64_t{1000} * NodeStatus::kMaxBroadcastingPeriodMs;
+constexpr uint64_t kParameterPatience_us = 500'000;  // a requester waits for about a second
 constexpr unsigned kFramesPerRelease = 4;
 constexpr uint8_t kStatusPriority = 16;
-constexpr uint8_t kMostUrgentAnswer = 16;  // whoever asks must not hold up the motors' commands
+constexpr uint8_t kMostUrgentAnswer = 16;  // a requester must not hold up the motors' commands
 constexpr uint8_t kAllocationPriority = 30;
 // Of one node. A GetSet request takes up to 33 frames.
 constexpr std::array kWanted{
@@ -48,14 +50,14 @@ void DronecanNode::configure(const DronecanNodeParams& params) {
     receiver_.set_own_id(node_id_);
     tool_ = static_cast<uint8_t>(params.tool);
     allocator_.set_range(params.first_given, params.last_given);
-    allocator_.note_taken(node_id_);
+    allocator_.set_own_id(node_id_);
     for (unsigned i = 0; i < serial_number_.size(); ++i) {
         serial_number_[i] = static_cast<uint8_t>(params.serial_number >> (8 * i));
     }
 }
 
 NodeStatus DronecanNode::status(uint64_t now_us) const {
-    const bool warns = memory_is_bad_ || allocator_.is_full();
+    const bool warns = memory_is_bad_ || allocator_.is_full() || has_conflict_;
     return {.uptime_sec = static_cast<uint32_t>(now_us / 1'000'000),
             .health = warns ? NodeStatus::kHealthWarning : NodeStatus::kHealthOk};
 }
@@ -102,12 +104,35 @@ void DronecanNode::read_memory(DronecanNodePorts& ports) {
     memory_is_bad_ = has_memory && (misses_records_ || is_late || fails);
 }
 
+void DronecanNode::handle_status(DronecanNodePorts& ports) {
+    const uint8_t source = receiver_.header().source;
+    allocator_.note_taken(source);
+    NodeStatus status;
+    if (!read(status)) return;
+    const bool is_one = nodes_.hear(source, status, ports.can->timestamp);
+    if (!is_one || source == node_id_) report_shared(ports, source);
+}
+
+void DronecanNode::report_shared(DronecanNodePorts& ports, uint8_t node) {
+    if (shared_.has(node)) return;
+    shared_.add(node);
+    has_conflict_ = true;
+    using Kind = CanNodeConflict::Kind;
+    ports.conflict.publish([&] {
+        return CanNodeConflict{.node_id = node,
+                               .kind = node == node_id_ ? Kind::kOwn : Kind::kShared};
+    });
+}
+
 void DronecanNode::handle_allocation(DronecanNodePorts& ports) {
     Allocator::Message request;
     // With a sender, it is another allocator's.
     if (!read(request) || receiver_.header().source != 0) return;
-    if (!is_disarmed(ports) || !may_give_ids_ || allocation_sender_.is_busy()) return;
-    const auto answer = allocator_.answer(request, ports.now);
+    const uint64_t now_us = ports.can->timestamp;
+    const bool has_listened = now_us >= first_frame_us_ + kListen_us;
+    if (!is_disarmed(ports) || !may_give_ids_ || !has_listened) return;
+    if (allocation_sender_.is_busy()) return;
+    const auto answer = allocator_.answer(request, nodes_, now_us);
     if (!answer) return;
     allocation_sender_.begin({.priority = kAllocationPriority, .source = node_id_}, allocation_id_,
                              *answer);
@@ -116,11 +141,25 @@ void DronecanNode::handle_allocation(DronecanNodePorts& ports) {
     ports.allocation.publish([&] {
         return CanAllocation{.node_id = answer->node_id, .unique_id = allocator_.unique_id()};
     });
+    keep(ports, answer->node_id, allocator_.unique_id());
+    const uint8_t replaced = allocator_.replaced();
+    if (replaced == 0) return;
+    has_conflict_ = true;
+    keep(ports, replaced, {});
+    ports.conflict.publish([&] {
+        return CanNodeConflict{.node_id = replaced,
+                               .kind = CanNodeConflict::Kind::kPart,
+                               .new_node_id = answer->node_id,
+                               .unique_id = allocator_.unique_id()};
+    });
+}
+
+void DronecanNode::keep(DronecanNodePorts& ports, uint8_t node, const Allocator::UniqueId& owner) {
     ports.store.publish([&] {
-        return StoredRecord{.key = answer->node_id,
+        return StoredRecord{.key = node,
                             .kind = StoredRecord::Kind::kCanNode,
                             .length = Allocator::kUniqueIdBytes,
-                            .data = allocator_.unique_id()};
+                            .data = owner};
     });
 }
 
@@ -168,7 +207,7 @@ void DronecanNode::answer_parameter_request(const ParameterValue& value) {
 
 void DronecanNode::handle(DronecanNodePorts& ports) {
     if (receiver_.is<NodeStatus>()) {
-        allocator_.note_taken(receiver_.header().source);
+        handle_status(ports);
     } else if (receiver_.is<Allocator::Message>()) {
         handle_allocation(ports);
     } else if (receiver_.is<GetNodeInfo::Request>()) {
@@ -183,6 +222,7 @@ void DronecanNode::handle(DronecanNodePorts& ports) {
 void DronecanNode::receive(DronecanNodePorts& ports) {
     dronecan::Frame frame;
     if (!dronecan::from_topic(*ports.can, frame)) return;
+    if (first_frame_us_ == 0) first_frame_us_ = ports.can->timestamp;
     if (receiver_.accept(frame, ports.can->timestamp)) handle(ports);
 }
 

@@ -22,8 +22,8 @@ uint16_t text_bytes(const char* text) {
 
 void Logger::step(LoggerPorts& ports) {
     published_ = 0;
-    // Read first: while nobody else has seen the ports, the compiler knows the table, and leaves
-    // the code for changes out where there are none.
+    // Read first: until the ports are passed on, the compiler knows the table, and leaves the code
+    // for changes out where there are none.
     const LogChanges* const changes = ports.log->changes;
     if (write_definitions(ports)) {
         write_events(ports);

@@ -11,7 +11,7 @@
 namespace stator {
 
 // Collects log messages into blocks and publishes each block when it is full; what is left is
-// published when time has come to flush it. An activation publishes at most `kMostBlocks`, the
+// published when time has come to flush it. An activation publishes at most `kMaxBlocks`, the
 // `burst` of its interface; what is left of the definitions or samples waits for the next one.
 class Logger {
   public:
@@ -19,10 +19,10 @@ class Logger {
 
   private:
     static constexpr size_t kBlockBytes = sizeof(LogBlock::data);
-    static constexpr unsigned kMostBlocks = 8;
+    static constexpr unsigned kMaxBlocks = 8;
     static constexpr uint64_t kFlushInterval_us = 100'000;
 
-    bool has_room() const { return published_ + 1 < kMostBlocks; }
+    bool has_room() const { return published_ + 1 < kMaxBlocks; }
     bool write_definitions(LoggerPorts& ports);
     void write_definition(LoggerPorts& ports, uint32_t index);
     void write_header(LoggerPorts& ports);
@@ -63,7 +63,7 @@ class Logger {
     // Of the recording: definitions written; activations known to be lost, by level; CRC-32 of the
     // log since the last check, up to byte `checked_` of the block.
     uint32_t recorded_ = 0;
-    std::array<uint32_t, kMostStreams> gaps_{};
+    std::array<uint32_t, kMaxStreams> gaps_{};
     uint32_t crc_ = 0;
     size_t checked_ = 0;
     std::byte block_[kBlockBytes]{};

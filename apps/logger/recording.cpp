@@ -4,14 +4,15 @@
 #include <cstring>
 
 #include "logger.hpp"
+#include "stator/crc32.hpp"
 
 namespace stator {
 
 namespace {
 
 constexpr char kRecording = 'X';
-constexpr size_t kHead = 4;         // bytes of such a message before its content
-constexpr size_t kLeastChunk = 32;  // less of a stream is not worth a message at the end of a block
+constexpr size_t kHead = 4;       // bytes of such a message before its content
+constexpr size_t kMinChunk = 32;  // less of a stream is not worth a message at the end of a block
 
 }  // namespace
 
@@ -34,7 +35,7 @@ void Logger::write_recording(LoggerPorts& ports) {
 void Logger::write_stream(LoggerPorts& ports, unsigned level) {
     RecordStream& stream = *ports.log->recording->streams[level];
     for (uint32_t left = stream.available(); left != 0 && has_room();) {
-        if (used_ + kHead + std::min<size_t>(left, kLeastChunk) > kBlockBytes) flush(ports);
+        if (used_ + kHead + std::min<size_t>(left, kMinChunk) > kBlockBytes) flush(ports);
         const size_t room = kBlockBytes - used_ - kHead;
         const auto bytes = stream.peek(static_cast<uint32_t>(std::min<size_t>(left, room)));
         begin_recorded(ports, Kind::kStream, level, bytes.size());

@@ -15,13 +15,13 @@ struct Limits {
     float most;
 };
 constexpr std::array<Limits, 7> kLimits{{
-    {kTurn, 3, 1e-8f, 4.0f},
-    {kVelocity, 3, 1e-6f, 1e4f},
-    {kPosition, 3, 1e-6f, 1e7f},
-    {kGyroBias, 3, 1e-12f, 1.0f},
-    {kAccelBias, 3, 1e-8f, 10.0f},
-    {kBaroOffset, 1, 1e-6f, 1e6f},
-    {kMagOffset, 1, 1e-8f, 4.0f},
+    {kTurn, 3, 1e-8F, 4.0F},
+    {kVelocity, 3, 1e-6F, 1e4F},
+    {kPosition, 3, 1e-6F, 1e7F},
+    {kGyroBias, 3, 1e-12F, 1.0F},
+    {kAccelBias, 3, 1e-8F, 10.0F},
+    {kBaroOffset, 1, 1e-6F, 1e6F},
+    {kMagOffset, 1, 1e-8F, 4.0F},
 }};
 
 }  // namespace
@@ -29,7 +29,7 @@ constexpr std::array<Limits, 7> kLimits{{
 void Covariance::reset(unsigned first, unsigned count, float variance) {
     for (unsigned row = first; row < first + count; ++row) {
         for (unsigned column = 0; column < kStates; ++column)
-            p_[row][column] = p_[column][row] = 0.0f;
+            p_[row][column] = p_[column][row] = 0.0F;
         p_[row][row] = variance;
     }
 }
@@ -114,31 +114,31 @@ void Covariance::mirror(unsigned first) {
     }
 }
 
-Covariance::Column Covariance::seen(const Sight& sight) const {
+Covariance::Column Covariance::cross_covariance(const ObservationModel& model) const {
     Column result;
     for (unsigned i = 0; i < kStates; ++i) {
-        result[i] = sight.first_sign * p_[sight.first][i] + sight.second_sign * p_[sight.second][i];
+        result[i] = model.first_sign * p_[model.first][i] + model.second_sign * p_[model.second][i];
     }
     return result;
 }
 
-void Covariance::correct(const Column& seen, float total, bool keep_tilt) {
+void Covariance::correct(const Column& cross, float variance, bool keep_tilt) {
     const float north = p_[kTurn][kTurn];
     const float east = p_[kTurn + 1][kTurn + 1];
     const float both = p_[kTurn][kTurn + 1];
-    const float inverse = 1.0f / total;
+    const float inverse = 1.0F / variance;
     for (unsigned row = 0; row < kStates; ++row) {
-        const float gain = seen[row] * inverse;
+        const float gain = cross[row] * inverse;
         Column& across = p_[row];
         for (unsigned column = row; column < kStates; ++column) {
-            const float value = across[column] - gain * seen[column];
+            const float value = across[column] - gain * cross[column];
             across[column] = value;
             p_[column][row] = value;
         }
     }
     if (!keep_tilt) return;
-    // P - K H P - P H' K' + K total K' is P - seen seen' / total wherever one of the two gains is
-    // the optimal one, and P where both are zero.
+    // P - K H P - P H' K' + K variance K' is P - cross cross' / variance wherever one of the two
+    // gains is the optimal one, and P where both are zero.
     p_[kTurn][kTurn] = north;
     p_[kTurn + 1][kTurn + 1] = east;
     p_[kTurn][kTurn + 1] = p_[kTurn + 1][kTurn] = both;

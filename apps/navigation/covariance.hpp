@@ -24,12 +24,12 @@ enum ErrorState : unsigned {
     kStates = 17,
 };
 
-// What a measurement sees: one state, or the sum of two with the signs given.
-struct Sight {
+// H of a scalar measurement: one state, or the sum of two with the signs given.
+struct ObservationModel {
     ErrorState first = kTurn;
-    float first_sign = 1.0f;
+    float first_sign = 1.0F;
     ErrorState second = kTurn;
-    float second_sign = 0.0f;
+    float second_sign = 0.0F;
 };
 
 class Covariance {
@@ -65,11 +65,11 @@ class Covariance {
     void predict(const math::Matrix3<float>& R_NB, const Vector& push_N, float time,
                  const Noise& noise);
 
-    // P H', the covariance of each state with what is seen.
-    Column seen(const Sight& sight) const;
-    // Takes off what a measurement tells, with the gain seen / total. `keep_tilt`: that gain is
-    // zero for the turns about north and east.
-    void correct(const Column& seen, float total, bool keep_tilt);
+    // P H', the covariance of each state with what is measured.
+    Column cross_covariance(const ObservationModel& model) const;
+    // Takes off what a measurement tells, with the gain cross / variance: P H' over the variance
+    // of the innovation. `keep_tilt`: that gain is zero for the turns about north and east.
+    void correct(const Column& cross, float variance, bool keep_tilt);
 
     // Keeps the variances between what float can hold apart and what linearisation allows.
     void limit();

@@ -5,19 +5,19 @@ namespace stator {
 
 namespace {
 
-constexpr float kLargestAccelBias = 1.5f;  // m/s^2
-constexpr float kLargestGyroBias = 0.2f;   // rad/s
+constexpr float kLargestAccelBias = 1.5F;  // m/s^2
+constexpr float kLargestGyroBias = 0.2F;   // rad/s
 
-// A step longer than this spans a gap between samples, in which the vehicle did what nobody saw:
+// A step longer than this spans a gap between samples, in which the vehicle moved unseen:
 // it turned and accelerated otherwise by about this much.
-constexpr float kGap = 0.1f;       // s
-constexpr float kGapRate = 0.1f;   // rad/s
-constexpr float kGapForce = 1.0f;  // m/s^2
+constexpr float kGap = 0.1F;       // s
+constexpr float kGapRate = 0.1F;   // rad/s
+constexpr float kGapForce = 1.0F;  // m/s^2
 
 // Below, the force along the ground is noise and the tilt's error, and says nothing of the heading:
-// taken for true it would make the filter sure of a heading that nobody measured.
-constexpr float kTellingForce = 0.5f;  // m/s^2
-constexpr float kTellingTime = 1.0f;   // s
+// taken for true it would make the filter sure of a heading that was never measured.
+constexpr float kTellingForce = 0.5F;  // m/s^2
+constexpr float kTellingTime = 1.0F;   // s
 
 Vector clamped(const Vector& v, float most) {
     return v.cwiseMin(most).cwiseMax(-most);
@@ -41,8 +41,8 @@ Covariance::Noise noise_of(float time, const NavigationParams& params) {
 // psi^2 / 2 of it along itself, E psi^4 = 3 sigma^4. That error lasts, so that it adds up over the
 // steps between two fixes. Without it the filter is sure of a heading long before it is right.
 float second_order(const Vector& push_N, float time, float heading_variance) {
-    constexpr float kBetweenFixes = 0.2f;  // s
-    return push_N.head<2>().squaredNorm() * 0.75f * math::square(heading_variance) *
+    constexpr float kBetweenFixes = 0.2F;  // s
+    return push_N.head<2>().squaredNorm() * 0.75F * math::square(heading_variance) *
            (kBetweenFixes / time);
 }
 
@@ -51,10 +51,10 @@ float second_order(const Vector& push_N, float time, float heading_variance) {
 Kinematics moved(const Kinematics& start, const Motion& motion) {
     const math::Matrix3<float> R_NB = start.q_NB.toRotationMatrix();
     const float t = motion.time;
-    const Vector g(0.0f, 0.0f, kGravity);
+    const Vector g(0.0F, 0.0F, kGravity);
     return {.q_NB = math::normalized(start.q_NB * motion.turn),
             .velocity_N = start.velocity_N + g * t + R_NB * motion.velocity,
-            .position_N = start.position_N + start.velocity_N * t + g * (0.5f * t * t) +
+            .position_N = start.position_N + start.velocity_N * t + g * (0.5F * t * t) +
                           R_NB * motion.position};
 }
 
@@ -71,12 +71,12 @@ void Filter::start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance
     time_us_ = time_us;
     kinematics_.q_NB = q_NB;
     covariance_.reset(kHeading, 1, heading_variance);
-    covariance_.reset(kVelocity, 3, 0.25f);
-    covariance_.reset(kPosition, 3, 0.01f);
+    covariance_.reset(kVelocity, 3, 0.25F);
+    covariance_.reset(kPosition, 3, 0.01F);
     covariance_.reset(kGyroBias, 3, math::square(params.gyro_bias_uncertainty));
     covariance_.level(q_NB.toRotationMatrix(), kGravity,
                       math::square(params.accel_bias_uncertainty), tilt_variance);
-    covariance_.reset(kBaroOffset, 1, 0.01f);
+    covariance_.reset(kBaroOffset, 1, 0.01F);
     covariance_.reset(kMagOffset, 1, math::square(params.mag_offset_uncertainty));
     covariance_.limit();
 }
@@ -89,7 +89,7 @@ void Filter::predict(const MotionWindow::Step& step, const NavigationParams& par
     motion.velocity += (step.bias.accel - bias_.accel) * time;
     const math::Matrix3<float> R_NB = kinematics_.q_NB.toRotationMatrix();
     const Vector push_N = R_NB * motion.velocity;
-    const Vector turn_N = R_NB * Vector(motion.turn.vec() * 2.0f);
+    const Vector turn_N = R_NB * Vector(motion.turn.vec() * 2.0F);
     Vector seen_push_N = push_N;
     level_force_N_ += (push_N.head<2>() - level_force_N_ * time) / (kTellingTime + time);
     if (level_force_N_.squaredNorm() < math::square(kTellingForce)) seen_push_N.head<2>().setZero();
@@ -99,22 +99,23 @@ void Filter::predict(const MotionWindow::Step& step, const NavigationParams& par
     covariance_.limit();
     kinematics_ = moved(kinematics_, motion);
     time_us_ = step.end_us;
-    acceleration_N_ = push_N / time + Vector(0.0f, 0.0f, kGravity);
+    acceleration_N_ = push_N / time + Vector(0.0F, 0.0F, kGravity);
     heading_rate_ = turn_N.z() / time;
 }
 
-Fusion Filter::fuse(const Sight& sight, float innovation, float variance, float gate,
+Fusion Filter::fuse(const ObservationModel& model, float innovation, float variance, float gate,
                     bool keep_tilt) {
-    const Covariance::Column seen = covariance_.seen(sight);
-    const float total =
-        sight.first_sign * seen[sight.first] + sight.second_sign * seen[sight.second] + variance;
-    const Fusion result{.innovation = innovation,
-                        .test_ratio = math::square(innovation) / (math::square(gate) * total)};
+    const Covariance::Column cross = covariance_.cross_covariance(model);
+    const float innovation_variance =
+        model.first_sign * cross[model.first] + model.second_sign * cross[model.second] + variance;
+    const Fusion result{
+        .innovation = innovation,
+        .test_ratio = math::square(innovation) / (math::square(gate) * innovation_variance)};
     if (!result.fused()) return result;
     Covariance::Column error;
-    const float scale = innovation / total;
-    for (unsigned i = 0; i < kStates; ++i) error[i] = seen[i] * scale;
-    covariance_.correct(seen, total, keep_tilt);
+    const float scale = innovation / innovation_variance;
+    for (unsigned i = 0; i < kStates; ++i) error[i] = cross[i] * scale;
+    covariance_.correct(cross, innovation_variance, keep_tilt);
     inject(error, keep_tilt);
     return result;
 }
@@ -155,11 +156,11 @@ void Filter::set_down(float down, float variance) {
 }
 
 void Filter::align_heading(float error, float noise_variance, float offset_variance) {
-    const Vector down(0.0f, 0.0f, 1.0f);
+    const Vector down(0.0F, 0.0F, 1.0F);
     kinematics_.q_NB = math::normalized(math::from_axis_angle(down, error) * kinematics_.q_NB);
-    mag_offset_ = 0.0f;
+    mag_offset_ = 0.0F;
     covariance_.reset(kHeading, 1, noise_variance);
-    covariance_.reset(kMagOffset, 1, 0.0f);
+    covariance_.reset(kMagOffset, 1, 0.0F);
     covariance_.loosen(kHeading, kMagOffset, offset_variance);
     covariance_.limit();
 }

@@ -7,7 +7,7 @@
 
 namespace stator {
 
-inline constexpr float kGravity = 9.80665f;  // m/s^2, standard
+inline constexpr float kGravity = 9.80665F;  // m/s^2, standard
 
 struct Kinematics {
     Quaternion q_NB = Quaternion::Identity();
@@ -20,9 +20,9 @@ Kinematics moved(const Kinematics& start, const Motion& motion);
 
 // How a measurement went.
 struct Fusion {
-    float innovation = 0.0f;
-    float test_ratio = 0.0f;  // innovation^2 over what the gate allows: fused up to 1
-    bool fused() const { return test_ratio <= 1.0f; }
+    float innovation = 0.0F;
+    float test_ratio = 0.0F;  // innovation^2 over what the gate allows: fused up to 1
+    bool fused() const { return test_ratio <= 1.0F; }
 };
 
 class Filter {
@@ -44,30 +44,32 @@ class Filter {
                float heading_variance, const NavigationParams& params);
     void predict(const MotionWindow::Step& step, const NavigationParams& params);
     // Fuses one scalar whose innovation and noise variance these are, if it passes the gate.
-    Fusion fuse(const Sight& sight, float innovation, float variance, float gate,
+    Fusion fuse(const ObservationModel& model, float innovation, float variance, float gate,
                 bool keep_tilt = false);
 
-    // What is known anew, whatever was believed.
+    // Replace an estimate and its variance, whatever they were.
     void set_horizontal_velocity(const Eigen::Vector2f& velocity, float variance);
     void set_vertical_velocity(float velocity, float variance);
     void set_horizontal_position(const Eigen::Vector2f& position, float variance);
     void set_down(float down, float variance);
-    // Turns by the error that the magnetometer shows, which knows no better than its offset.
+    // Turns by the error that the magnetometer shows, which is known as well as its offset.
     void align_heading(float error, float noise_variance, float offset_variance);
     void shift_mag_offset(float change, float variance);
-    // Neither the heading nor the magnetometer's offset is believed any more, only their sum.
-    void doubt_heading(float variance) { covariance_.loosen(kHeading, kMagOffset, variance); }
+    // Trusts neither the heading nor the magnetometer's offset any more, only their sum.
+    void inflate_heading_variance(float variance) {
+        covariance_.loosen(kHeading, kMagOffset, variance);
+    }
 
   private:
     void inject(const Covariance::Column& error, bool keep_tilt);
 
     Kinematics kinematics_;
     ImuBias bias_;
-    float baro_offset_ = 0.0f;  // m, what the barometer's height reads too much
-    float mag_offset_ = 0.0f;   // rad, what the magnetic heading error reads too much
+    float baro_offset_ = 0.0F;  // m, what the barometer's height reads too much
+    float mag_offset_ = 0.0F;   // rad, what the magnetic heading error reads too much
     Covariance covariance_;
     Vector acceleration_N_ = Vector::Zero();
-    float heading_rate_ = 0.0f;
+    float heading_rate_ = 0.0F;
     Eigen::Vector2f level_force_N_ = Eigen::Vector2f::Zero();  // low-passed
     uint64_t time_us_ = 0;
 };

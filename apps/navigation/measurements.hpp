@@ -13,16 +13,16 @@ struct GnssMeasurement {
     Vector velocity_N = Vector::Zero();
     Vector position_N = Vector::Zero();  // down: 0
     double height = 0.0;                 // m, above mean sea level
-    float velocity_variance = 0.0f;
-    float position_variance = 0.0f;
-    float height_variance = 0.0f;
+    float velocity_variance = 0.0F;
+    float position_variance = 0.0F;
+    float height_variance = 0.0F;
     bool has_velocity = false;
     bool has_height = false;
 };
 
 struct BaroMeasurement {
     uint64_t time_us = 0;
-    float height = 0.0f;  // m, in the standard atmosphere
+    float height = 0.0F;  // m, in the standard atmosphere
 };
 
 struct MagMeasurement {
@@ -30,9 +30,10 @@ struct MagMeasurement {
     Vector field_B = Vector::Zero();
 };
 
-// First in, first out, of one kind.
+// Measurements of one kind that wait until the filter's horizon reaches their time. First in, first
+// out.
 template <class Measurement, unsigned kCapacity>
-class Waiting {
+class DelayedMeasurements {
   public:
     bool empty() const { return count_ == 0; }
     const Measurement& front() const { return items_[first_]; }
@@ -65,7 +66,7 @@ class Aid {
     bool recent(uint64_t now_us, float seconds) const {
         // A newer measurement of another kind may have come before.
         const uint64_t age_us = now_us > last_us_ ? now_us - last_us_ : 0;
-        return started_ && static_cast<float>(age_us) * 1e-6f <= seconds;
+        return started_ && static_cast<float>(age_us) * 1e-6F <= seconds;
     }
     // Notes how a measurement went. True if it should be believed all the same: it is the first,
     // or all were left out for `timeout` seconds.
@@ -76,7 +77,7 @@ class Aid {
         }
         if (!refusing_) refused_us_ = time_us;
         refusing_ = true;
-        return static_cast<float>(time_us - refused_us_) * 1e-6f > timeout;
+        return static_cast<float>(time_us - refused_us_) * 1e-6F > timeout;
     }
     void accept(uint64_t time_us) {
         started_ = true;

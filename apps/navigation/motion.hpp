@@ -20,7 +20,7 @@ struct Motion {
     Quaternion turn = Quaternion::Identity();
     Vector velocity = Vector::Zero();
     Vector position = Vector::Zero();
-    float time = 0.0f;  // s
+    float time = 0.0F;  // s
 };
 
 // First `a`, then `b`.
@@ -46,8 +46,8 @@ inline Motion between(const Motion& a, const Motion& b) {
 inline Motion constant_motion(const Vector& rate_B, const Vector& force_B, float time) {
     const Vector angle = rate_B * time;
     return {.turn = math::from_rotation_vector(angle),
-            .velocity = (force_B + angle.cross(force_B) * 0.5f) * time,
-            .position = force_B * (0.5f * time * time),
+            .velocity = (force_B + angle.cross(force_B) * 0.5F) * time,
+            .position = force_B * (0.5F * time * time),
             .time = time};
 }
 

@@ -6,19 +6,19 @@ namespace stator {
 namespace {
 
 // A longer gap between IMU samples cannot be integrated across.
-constexpr float kLongestGap = 2.0f;  // s
+constexpr float kLongestGap = 2.0F;  // s
 // The magnetometer and the barometer are thinned to this: more costs time and tells little.
-constexpr uint64_t kLeastInterval_us = 40'000;
+constexpr uint64_t kMinInterval_us = 40'000;
 // Fixes that the receiver itself takes to be worse than this are not fused.
-constexpr float kWorstPosition = 25.0f;  // m
-constexpr float kWorstVelocity = 5.0f;   // m/s
+constexpr float kWorstPosition = 25.0F;  // m
+constexpr float kWorstVelocity = 5.0F;   // m/s
 // The standard atmosphere up to 11 km (ISO 2533): h = 44330.8 m (1 - (p / 101325 Pa)^0.190263).
-constexpr float kScaleHeight = 44330.8f;
-constexpr float kPressureAtSea = 101325.0f;
-constexpr float kPressureExponent = 0.190263f;
+constexpr float kScaleHeight = 44330.8F;
+constexpr float kPressureAtSea = 101325.0F;
+constexpr float kPressureExponent = 0.190263F;
 // At rest: no turning beyond the gyro's noise, and nothing felt but gravity.
-constexpr float kRestRate = 0.05f;  // rad/s
-constexpr float kRestForce = 0.5f;  // m/s^2
+constexpr float kRestRate = 0.05F;  // rad/s
+constexpr float kRestForce = 0.5F;  // m/s^2
 
 bool is_finite(const Vector& v) {
     return math::is_finite(v.squaredNorm());
@@ -38,8 +38,8 @@ void Navigation::step(NavigationPorts& ports) {
     const bool moved_on = read_imu(ports);
     if (!started_) return;
     while (ports.gnss.next()) read_gnss(*ports.gnss, params);
-    const float thrust = ports.thrust ? -ports.thrust->xyz[2] : 0.0f;
-    const float wash = ports.params->baro_wash * (math::is_finite(thrust) ? thrust : 0.0f);
+    const float thrust = ports.thrust ? -ports.thrust->xyz[2] : 0.0F;
+    const float wash = ports.params->baro_wash * (math::is_finite(thrust) ? thrust : 0.0F);
     while (ports.baro.next()) read_baro(*ports.baro, wash);
     while (ports.mag.next()) read_mag(*ports.mag);
     work(params);
@@ -69,9 +69,9 @@ bool Navigation::read_imu(NavigationPorts& ports) {
 
 // Samples are of instants: between two, their mean is felt.
 void Navigation::add_imu(uint64_t time_us, const Vector& rate_B, const NavigationParams& params) {
-    const float dt = imu_us_ == 0 ? 0.0f : static_cast<float>(time_us - imu_us_) * 1e-6f;
-    const Vector rate = (rate_B + rate_B_) * 0.5f;
-    const Vector force = (queued_force_B_ + force_B_) * 0.5f;
+    const float dt = imu_us_ == 0 ? 0.0F : static_cast<float>(time_us - imu_us_) * 1e-6F;
+    const Vector rate = (rate_B + rate_B_) * 0.5F;
+    const Vector force = (queued_force_B_ + force_B_) * 0.5F;
     imu_us_ = time_us;
     rate_B_ = rate_B;
     force_B_ = queued_force_B_;
@@ -79,26 +79,26 @@ void Navigation::add_imu(uint64_t time_us, const Vector& rate_B, const Navigatio
         started_ = false;
         alignment_ = Alignment();
     }
-    if (dt == 0.0f || dt > kLongestGap) return;
+    if (dt == 0.0F || dt > kLongestGap) return;
     if (!started_) {
         if (alignment_.add(force, dt)) start(params);
         return;
     }
     watch_rest(rate, force, dt);
     window_.add(rate, force, dt);
-    if (window_.open_time() + 0.5f * dt < params.step_time) return;
+    if (window_.open_time() + 0.5F * dt < params.step_time) return;
     if (window_.full()) predict(params, true);
     window_.close(time_us, filter_.bias());
 }
 
 void Navigation::start(const NavigationParams& params) {
-    constexpr float kUnknownHeading = 3.2f;  // rad^2, of a heading that may be any
+    constexpr float kUnknownHeading = 3.2F;  // rad^2, of a heading that may be any
     filter_.start(imu_us_, alignment_.attitude(), alignment_.tilt_variance(), kUnknownHeading,
                   params);
     window_.restart(imu_us_, filter_.bias());
     alignment_ = Alignment();
     velocity_aid_ = position_aid_ = height_aid_ = heading_aid_ = Aid();
-    residual_ = Residual();
+    output_correction_ = OutputCorrection();
     gnss_next_ = rest_next_ = 0;
     rest_due_us_ = output_us_ = imu_us_;
     started_ = true;
@@ -109,14 +109,15 @@ void Navigation::watch_rest(const Vector& rate_B, const Vector& force_B, float d
     const float excess = math::norm(force_B) - kGravity;
     const bool still =
         disarmed_ && rate.squaredNorm() < math::square(kRestRate) && math::abs(excess) < kRestForce;
-    rest_s_ = still ? math::min(rest_s_ + dt, kRestTime) : 0.0f;
+    rest_s_ = still ? math::min(rest_s_ + dt, kRestTime) : 0.0F;
 }
 
 void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params) {
-    const double north_east_height = fix.latitude_deg + fix.longitude_deg + fix.altitude_msl_m;
+    const bool is_known = math::is_finite(fix.latitude_deg) && math::is_finite(fix.longitude_deg) &&
+                          math::is_finite(fix.altitude_msl_m);
     const Vector velocity_N(fix.vel_n_m_s, fix.vel_e_m_s, fix.vel_d_m_s);
     const bool is_3d = fix.fix_type >= SensorGps::FixType::kFix3d;
-    if (!is_3d || !math::is_finite(north_east_height) || !(fix.eph <= kWorstPosition)) return;
+    if (!is_3d || !is_known || !(fix.eph <= kWorstPosition)) return;
     if (!has_origin_) {
         frame_ = math::LocalFrame({fix.latitude_deg, fix.longitude_deg});
         origin_us_ = fix.timestamp_sample;
@@ -127,7 +128,7 @@ void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params)
     const GnssMeasurement measurement{
         .time_us = fix.timestamp_sample,
         .velocity_N = velocity_N,
-        .position_N = Vector(static_cast<float>(at.north), static_cast<float>(at.east), 0.0f),
+        .position_N = Vector(static_cast<float>(at.north), static_cast<float>(at.east), 0.0F),
         .height = fix.altitude_msl_m,
         .velocity_variance = variance_of(fix.s_variance_m_s, params.gnss_velocity_noise),
         .position_variance = variance_of(fix.eph, params.gnss_position_noise),
@@ -140,16 +141,16 @@ void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params)
 
 void Navigation::read_baro(const SensorBaro& sample, float wash) {
     const float pressure = sample.pressure - wash;
-    if (!(pressure > 0.0f) || !math::is_finite(pressure)) return;
-    if (sample.timestamp_sample < baro_.newest_us() + kLeastInterval_us) return;
+    if (!(pressure > 0.0F) || !math::is_finite(pressure)) return;
+    if (sample.timestamp_sample < baro_.newest_us() + kMinInterval_us) return;
     const float ratio = math::pow(pressure / kPressureAtSea, kPressureExponent);
-    if (!baro_.push({sample.timestamp_sample, kScaleHeight * (1.0f - ratio)})) ++late_;
+    if (!baro_.push({sample.timestamp_sample, kScaleHeight * (1.0F - ratio)})) ++late_;
 }
 
 void Navigation::read_mag(const SensorMag& sample) {
     const Vector field_B = math::vector(sample.xyz);
     if (!is_finite(field_B)) return;
-    if (sample.timestamp_sample < mag_.newest_us() + kLeastInterval_us) return;
+    if (sample.timestamp_sample < mag_.newest_us() + kMinInterval_us) return;
     if (!mag_.push({sample.timestamp_sample, field_B})) ++late_;
 }
 

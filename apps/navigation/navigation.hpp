@@ -21,13 +21,14 @@ class Navigation {
     // Says nothing until a few tenths of a second of IMU samples have shown where level is. Then
     // it always knows an attitude; heading, height and position as soon as their sensors speak,
     // and the `valid` flags say which. Samples that are not finite, or not newer than the one
-    // before, are left out; after a gap in the IMU's samples it starts anew.
+    // before, are left out; after a gap in the IMU's samples it starts again.
     void step(NavigationPorts& ports);
 
   private:
-    static constexpr float kRestTime = 1.0f;  // s: still for so long is at rest
-    // What the output still differs by from the estimate, so that corrections do not make it jump.
-    struct Residual {
+    static constexpr float kRestTime = 1.0F;  // s: still for so long is at rest
+    // The output predictor's correction: what its output still differs by from the estimate, so
+    // that a correction of the filter does not make it jump.
+    struct OutputCorrection {
         Vector turn_N = Vector::Zero();
         Vector velocity_N = Vector::Zero();
         Vector position_N = Vector::Zero();
@@ -56,10 +57,10 @@ class Navigation {
     void align_heading(float error, float variance, const NavigationParams& params);
     // Seconds from a measurement to the horizon.
     float age(uint64_t time_us) const {
-        return static_cast<float>(filter_.time_us() - time_us) * 1e-6f;
+        return static_cast<float>(filter_.time_us() - time_us) * 1e-6F;
     }
     template <class Measurement, unsigned kCapacity>
-    bool is_due(Waiting<Measurement, kCapacity>& waiting);
+    bool is_due(DelayedMeasurements<Measurement, kCapacity>& delayed);
 
     // Outputs.
     void smooth(const Kinematics& before, const Kinematics& after);
@@ -74,9 +75,9 @@ class Navigation {
     Alignment alignment_;
     bool started_ = false;
 
-    Waiting<GnssMeasurement, 8> gnss_;
-    Waiting<BaroMeasurement, 16> baro_;
-    Waiting<MagMeasurement, 16> mag_;
+    DelayedMeasurements<GnssMeasurement, 8> gnss_;
+    DelayedMeasurements<BaroMeasurement, 16> baro_;
+    DelayedMeasurements<MagMeasurement, 16> mag_;
     uint32_t late_ = 0;
 
     // The newest IMU sample.
@@ -85,7 +86,7 @@ class Navigation {
     Vector rate_B_ = Vector::Zero();
     Vector force_B_ = Vector::Zero();
     Vector queued_force_B_ = Vector::Zero();
-    float rest_s_ = 0.0f;  // for how long it has been still
+    float rest_s_ = 0.0F;  // for how long it has been still
     bool disarmed_ = false;
 
     // What the fusion goes on with in the next activation.
@@ -99,7 +100,7 @@ class Navigation {
     Aid position_aid_;
     Aid height_aid_;
     Aid heading_aid_;
-    float baro_reference_ = 0.0f;  // m, what the barometer says at the origin
+    float baro_reference_ = 0.0F;  // m, what the barometer says at the origin
 
     math::LocalFrame frame_;
     uint64_t origin_us_ = 0;
@@ -107,8 +108,8 @@ class Navigation {
     bool has_origin_ = false;
     bool has_origin_height_ = false;
 
-    Residual residual_;
-    bool jumped_ = false;  // something was set anew: the output follows at once
+    OutputCorrection output_correction_;
+    bool jumped_ = false;  // the estimate was reset: the output follows at once
     uint64_t output_us_ = 0;
     VehicleLocalPosition resets_{};  // the counters and deltas of it
     EstimatorInnovations innovations_{};

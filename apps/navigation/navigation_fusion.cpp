@@ -8,20 +8,20 @@ namespace stator {
 namespace {
 
 // The horizon has passed it by more than a step can make up for.
-constexpr float kTooLate = 0.1f;  // s
+constexpr float kTooLate = 0.1F;  // s
 // Without satellites, or at rest, the velocity is measured as zero: well at rest, hardly in flight,
 // where it only keeps the tilt with gravity.
 constexpr uint64_t kRestInterval_us = 200'000;
-constexpr float kRestVariance = 0.01f;  // m^2/s^2
-constexpr float kFlightVariance = 9.0f;
+constexpr float kRestVariance = 0.01F;  // m^2/s^2
+constexpr float kFlightVariance = 9.0F;
 // Without the barometer for so long, the receiver's height counts.
-constexpr float kWithoutBaro = 1.0f;  // s
-// How far the heading may be off when satellites contradict it for long.
-constexpr float kDoubt = 1.0f;  // rad^2
+constexpr float kWithoutBaro = 1.0F;  // s
+// The variance that the heading is given when satellites contradict it for long.
+constexpr float kHeadingInflation = 1.0F;  // rad^2
 // The field's level part must show a direction.
-constexpr float kLeastLevelField = 0.02f;  // gauss
+constexpr float kMinLevelField = 0.02F;  // gauss
 
-Sight sight_of(unsigned state) {
+ObservationModel observation_of(unsigned state) {
     return {.first = static_cast<ErrorState>(state)};
 }
 
@@ -39,7 +39,7 @@ void Navigation::work(const NavigationParams& params) {
         return;
     }
     if (jumped_)
-        residual_ = Residual();
+        output_correction_ = OutputCorrection();
     else
         smooth(before, moved(filter_.kinematics(), window_.ahead()));
     jumped_ = false;
@@ -48,7 +48,7 @@ void Navigation::work(const NavigationParams& params) {
 // One step of the filter, if the oldest is `fusion_delay` old, or at once.
 bool Navigation::predict(const NavigationParams& params, bool at_once) {
     if (window_.empty()) return false;
-    const float delay = static_cast<float>(imu_us_ - window_.step_end_us()) * 1e-6f;
+    const float delay = static_cast<float>(imu_us_ - window_.step_end_us()) * 1e-6F;
     if (!at_once && delay < params.fusion_delay) return false;
     filter_.predict(window_.take(), params);
     return true;
@@ -56,10 +56,10 @@ bool Navigation::predict(const NavigationParams& params, bool at_once) {
 
 // Drops what came too late; true if one is left that the horizon has reached.
 template <class Measurement, unsigned kCapacity>
-bool Navigation::is_due(Waiting<Measurement, kCapacity>& waiting) {
-    while (!waiting.empty() && waiting.front().time_us <= filter_.time_us()) {
-        if (age(waiting.front().time_us) <= kTooLate) return true;
-        waiting.pop();
+bool Navigation::is_due(DelayedMeasurements<Measurement, kCapacity>& delayed) {
+    while (!delayed.empty() && delayed.front().time_us <= filter_.time_us()) {
+        if (age(delayed.front().time_us) <= kTooLate) return true;
+        delayed.pop();
         ++late_;
         // The next fix begins with its own velocity, however far this one came.
         if constexpr (std::is_same_v<Measurement, GnssMeasurement>) gnss_next_ = 0;
@@ -94,8 +94,8 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
         filter_.kinematics().velocity_N - filter_.acceleration_N() * age(fix.time_us);
     const Vector difference = fix.velocity_N - expected;
     const float innovation = difference(axis);
-    const Fusion done =
-        filter_.fuse(sight_of(kVelocity + axis), innovation, fix.velocity_variance, params.gate);
+    const Fusion done = filter_.fuse(observation_of(kVelocity + axis), innovation,
+                                     fix.velocity_variance, params.gate);
     ratios_.vel_test_ratio =
         axis == 0 ? done.test_ratio : math::max(ratios_.vel_test_ratio, done.test_ratio);
     if (axis == 2) {
@@ -111,7 +111,7 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
     const bool fused = !first && north_fused_ && done.fused();
     if (!velocity_aid_.note(fused, fix.time_us, params.reset_timeout) && !first) return;
     // Otherwise the heading is what made them differ, or the receiver.
-    if (!first) filter_.doubt_heading(kDoubt);
+    if (!first) filter_.inflate_heading_variance(kHeadingInflation);
     filter_.set_horizontal_velocity(fix.velocity_N.head<2>(), fix.velocity_variance);
     velocity_aid_.accept(fix.time_us);
     resets_.delta_vxy = {difference.x(), difference.y()};
@@ -125,8 +125,8 @@ void Navigation::fuse_position(unsigned axis, const GnssMeasurement& fix,
         filter_.kinematics().position_N - filter_.kinematics().velocity_N * age(fix.time_us);
     const Vector difference = fix.position_N - expected;
     const float innovation = difference(axis);
-    const Fusion done =
-        filter_.fuse(sight_of(kPosition + axis), innovation, fix.position_variance, params.gate);
+    const Fusion done = filter_.fuse(observation_of(kPosition + axis), innovation,
+                                     fix.position_variance, params.gate);
     innovations_.gps_hpos[axis] = innovation;
     ratios_.pos_test_ratio =
         axis == 0 ? done.test_ratio : math::max(ratios_.pos_test_ratio, done.test_ratio);
@@ -152,7 +152,7 @@ void Navigation::fuse_height(const GnssMeasurement& fix, const NavigationParams&
     has_origin_height_ = true;
     const float innovation = static_cast<float>(origin_height_ - fix.height) - down;
     const Fusion done =
-        filter_.fuse(sight_of(kPosition + 2), innovation, fix.height_variance, params.gate);
+        filter_.fuse(observation_of(kPosition + 2), innovation, fix.height_variance, params.gate);
     innovations_.gps_vpos = innovation;
     if (done.fused() && !height_aid_.recent(fix.time_us, kWithoutBaro))
         height_aid_.accept(fix.time_us);
@@ -168,9 +168,9 @@ bool Navigation::fuse_baro(const NavigationParams& params) {
     const bool first = !height_aid_.started();
     if (first) baro_reference_ = sample.height - height;
     const float innovation = sample.height - baro_reference_ - height;
-    const Sight sight{static_cast<ErrorState>(kPosition + 2), -1.0f, kBaroOffset, 1.0f};
+    const ObservationModel model{static_cast<ErrorState>(kPosition + 2), -1.0F, kBaroOffset, 1.0F};
     const Fusion done =
-        filter_.fuse(sight, innovation, math::square(params.baro_noise), params.gate);
+        filter_.fuse(model, innovation, math::square(params.baro_noise), params.gate);
     innovations_.baro_vpos = innovation;
     innovations_.timestamp_sample = sample.time_us;
     ratios_.hgt_test_ratio = done.test_ratio;
@@ -191,10 +191,10 @@ bool Navigation::fuse_mag(const NavigationParams& params) {
     const MagMeasurement sample = mag_.front();
     mag_.pop();
     const Vector field_N = filter_.kinematics().q_NB * sample.field_B;
-    if (!(field_N.head<2>().squaredNorm() > math::square(kLeastLevelField))) return true;
+    if (!(field_N.head<2>().squaredNorm() > math::square(kMinLevelField))) return true;
     // A wrong tilt turns the level part of a field that dips.
     const float dip = math::square(field_N.z()) / field_N.head<2>().squaredNorm();
-    const float tilt_variance = 0.5f * (filter_.variance(kTurn) + filter_.variance(kTurn + 1));
+    const float tilt_variance = 0.5F * (filter_.variance(kTurn) + filter_.variance(kTurn + 1));
     const float variance = math::square(params.mag_noise) + dip * tilt_variance;
     const float turned = filter_.heading_rate() * age(sample.time_us);
     const float seen = math::atan2(field_N.y(), field_N.x()) - turned;
@@ -205,8 +205,8 @@ bool Navigation::fuse_mag(const NavigationParams& params) {
         heading_aid_.accept(sample.time_us);
         return true;
     }
-    const Sight sight{kHeading, 1.0f, kMagOffset, 1.0f};
-    const Fusion done = filter_.fuse(sight, innovation, variance, params.gate, true);
+    const ObservationModel model{kHeading, 1.0F, kMagOffset, 1.0F};
+    const Fusion done = filter_.fuse(model, innovation, variance, params.gate, true);
     innovations_.heading = innovation;
     innovations_.timestamp_sample = sample.time_us;
     ratios_.mag_test_ratio = done.test_ratio;
@@ -236,8 +236,8 @@ bool Navigation::fuse_rest(const NavigationParams& params) {
     const Aid& aid = axis < 2 ? velocity_aid_ : height_aid_;
     if (!still && aid.recent(filter_.time_us(), params.dead_reckoning_timeout)) return false;
     const float velocity = filter_.kinematics().velocity_N(axis);
-    filter_.fuse(sight_of(kVelocity + axis), -velocity, still ? kRestVariance : kFlightVariance,
-                 1e3f);
+    filter_.fuse(observation_of(kVelocity + axis), -velocity,
+                 still ? kRestVariance : kFlightVariance, 1e3F);
     return true;
 }
 

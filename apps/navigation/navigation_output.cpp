@@ -6,11 +6,11 @@ namespace stator {
 namespace {
 
 // Over how long a correction reaches the output: slow against what a controller would answer.
-constexpr float kSmoothing = 0.25f;     // s
-constexpr float kGoodHeading = 0.35f;   // rad, 1 sigma
-constexpr float kCoasting = 1.0f;       // s without satellites that count as dead reckoning
-constexpr float kGoodPosition = 30.0f;  // m, 1 sigma
-constexpr float kGoodHeight = 10.0f;    // m, 1 sigma
+constexpr float kSmoothing = 0.25F;     // s
+constexpr float kGoodHeading = 0.35F;   // rad, 1 sigma
+constexpr float kCoasting = 1.0F;       // s without satellites that count as dead reckoning
+constexpr float kGoodPosition = 30.0F;  // m, 1 sigma
+constexpr float kGoodHeight = 10.0F;    // m, 1 sigma
 
 float deviation(float variance) {
     return math::sqrt(variance);
@@ -21,26 +21,26 @@ float deviation(float variance) {
 // A correction moved the estimate; the output goes on from where it was.
 void Navigation::smooth(const Kinematics& before, const Kinematics& after) {
     const Quaternion turn = math::shortest(Quaternion(before.q_NB * after.q_NB.conjugate()));
-    residual_.turn_N += turn.vec() * 2.0f;
-    residual_.velocity_N += before.velocity_N - after.velocity_N;
-    residual_.position_N += before.position_N - after.position_N;
+    output_correction_.turn_N += turn.vec() * 2.0F;
+    output_correction_.velocity_N += before.velocity_N - after.velocity_N;
+    output_correction_.position_N += before.position_N - after.position_N;
 }
 
 Kinematics Navigation::output() const {
     Kinematics now = moved(filter_.kinematics(), window_.ahead());
-    now.q_NB = math::normalized(math::from_rotation_vector(residual_.turn_N) * now.q_NB);
-    now.velocity_N += residual_.velocity_N;
-    now.position_N += residual_.position_N;
+    now.q_NB = math::normalized(math::from_rotation_vector(output_correction_.turn_N) * now.q_NB);
+    now.velocity_N += output_correction_.velocity_N;
+    now.position_N += output_correction_.position_N;
     return now;
 }
 
 void Navigation::publish(NavigationPorts& ports) {
-    const float dt = static_cast<float>(imu_us_ - output_us_) * 1e-6f;
+    const float dt = static_cast<float>(imu_us_ - output_us_) * 1e-6F;
     const float keep = kSmoothing / (kSmoothing + dt);
     output_us_ = imu_us_;
-    residual_.turn_N *= keep;
-    residual_.velocity_N *= keep;
-    residual_.position_N *= keep;
+    output_correction_.turn_N *= keep;
+    output_correction_.velocity_N *= keep;
+    output_correction_.position_N *= keep;
     const Kinematics now = output();
     ports.position.publish([&] { return local_position(now, *ports.params); });
     ports.attitude.publish([&] {
@@ -57,7 +57,7 @@ VehicleLocalPosition Navigation::local_position(const Kinematics& now,
     const bool velocity_aided = velocity_aid_.recent(filter_.time_us(), timeout);
     const bool height_aided = height_aid_.recent(filter_.time_us(), timeout);
     const Vector acceleration_N =
-        now.q_NB * Vector(force_B_ - filter_.bias().accel) + Vector(0.0f, 0.0f, kGravity);
+        now.q_NB * Vector(force_B_ - filter_.bias().accel) + Vector(0.0F, 0.0F, kGravity);
     VehicleLocalPosition result = resets_;
     result.timestamp_sample = imu_us_;
     result.ref_timestamp = origin_us_;

@@ -75,7 +75,8 @@ void Navigator::begin_mode(const NavigatorPorts& ports) {
     is_finished_ = false;
     goal_.heading = kNaN;
     start(GotoSetpoint::Kind::kStop);
-    // A mission goes on with the whole of the item where it was left; one that was over, anew.
+    // A mission goes on with the whole of the item where it was left; one that was over begins
+    // again.
     if (ports.mission && current_ >= ports.mission->count) current_ = 0;
 }
 

@@ -35,7 +35,7 @@ std::string_view text(const Name& name) {
     return {reinterpret_cast<const char*>(name.data()), length};
 }
 
-// By name if there is one, else by index; null if there is no such parameter.
+// By name if there is one, else by index; null if it does not exist.
 const ParameterRow* find(const ParameterPort& parameters, const ParameterRequest& request) {
     const auto rows = parameters.rows();
     const std::string_view name = text(request.name);

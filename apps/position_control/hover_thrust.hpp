@@ -7,8 +7,8 @@ namespace stator {
 
 //     v' = g * (1 - thrust / hover)     v downwards, thrust upwards
 //
-// What the velocity changed by, less what it should have, corrects `hover`, slowly against gusts
-// and the lag of the motors.
+// The innovation, what the velocity changed by less what it should have, corrects `hover`, slowly
+// against gusts and the lag of the motors.
 class HoverThrust {
   public:
     void restart(float guess) {
@@ -23,16 +23,16 @@ class HoverThrust {
     void update(float thrust, float velocity, float dt, float time_constant) {
         constexpr float kGravity = 9.80665F;
         // No load or battery changes it by more than this.
-        constexpr float kLeast = 0.6F;
-        constexpr float kMost = 1.6F;
+        constexpr float kMin = 0.6F;
+        constexpr float kMax = 1.6F;
         const float expected = kGravity * (1.0F - thrust / hover_) * dt;
-        const float surprise = velocity - velocity_ - expected;
-        const bool is_usable = has_velocity_ && math::is_finite(surprise);
+        const float innovation = velocity - velocity_ - expected;
+        const bool is_usable = has_velocity_ && math::is_finite(innovation);
         has_velocity_ = math::is_finite(velocity);
         velocity_ = velocity;
         if (!is_usable) return;
-        const float corrected = hover_ + hover_ / (kGravity * time_constant) * surprise;
-        hover_ = math::clamp(corrected, kLeast * guess_, kMost * guess_);
+        const float corrected = hover_ + hover_ / (kGravity * time_constant) * innovation;
+        hover_ = math::clamp(corrected, kMin * guess_, kMax * guess_);
     }
 
   private:

@@ -7,7 +7,7 @@ namespace {
 
 // Beyond, a step's gains would take away more than there is: measurements are rare, and the filter
 // follows them more slowly.
-constexpr float kMostBandwidthTimesInterval = 0.5f;
+constexpr float kMaxBandwidthTimesInterval = 0.5F;
 
 }  // namespace
 
@@ -18,19 +18,19 @@ void MotionFilter::restart(const Vector& position, const Vector& velocity) {
 
 void MotionFilter::predict(const Vector& acceleration, float dt) {
     acceleration_ = acceleration - error_;
-    position_ += (velocity_ + acceleration_ * (0.5f * dt)) * dt;
+    position_ += (velocity_ + acceleration_ * (0.5F * dt)) * dt;
     velocity_ += acceleration_ * dt;
 }
 
 MotionFilter::Vector MotionFilter::position_ago(float age) const {
-    return position_ - (velocity_ - acceleration_ * (0.5f * age)) * age;
+    return position_ - (velocity_ - acceleration_ * (0.5F * age)) * age;
 }
 
 void MotionFilter::correct(const Vector& innovation, float dt, float bandwidth,
                            float error_bandwidth) {
-    constexpr float kRootTwo = 0x1.6a09e6p+0f;
-    const float w = math::min(bandwidth, kMostBandwidthTimesInterval / dt);
-    const float w_e = math::min(error_bandwidth, 0.25f * w);
+    constexpr float kRootTwo = 0x1.6a09e6p+0F;
+    const float w = math::min(bandwidth, kMaxBandwidthTimesInterval / dt);
+    const float w_e = math::min(error_bandwidth, 0.25F * w);
     position_ += innovation * ((kRootTwo * w + w_e) * dt);
     velocity_ += innovation * ((w * w + kRootTwo * w * w_e) * dt);
     error_ -= innovation * (w * w * w_e * dt);

@@ -23,7 +23,7 @@ class MotionFilter {
     const Vector& position() const { return position_; }
     const Vector& velocity() const { return velocity_; }
 
-    // Begins anew, with what is known of the acceleration's error.
+    // Begins again, and keeps what is known of the acceleration's error.
     void restart(const Vector& position, const Vector& velocity);
     // Moves on by `dt` seconds with the acceleration in N.
     void predict(const Vector& acceleration, float dt);

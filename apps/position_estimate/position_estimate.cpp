@@ -7,14 +7,14 @@ namespace {
 
 using Vector = math::Vector3<float>;
 
-constexpr float kGravity = 9.80665f;  // m/s^2, standard
+constexpr float kGravity = 9.80665F;  // m/s^2, standard
 // A longer gap cannot be predicted across.
-constexpr float kLongestGap = 0.1f;  // s
+constexpr float kLongestGap = 0.1F;  // s
 // Two positions this far apart give a velocity: millimetres of noise make centimetres per second.
 constexpr uint64_t kAcquisition = 50'000;  // us
 
 float seconds(uint64_t elapsed_us) {
-    return static_cast<float>(elapsed_us) * 1e-6f;
+    return static_cast<float>(elapsed_us) * 1e-6F;
 }
 
 }  // namespace
@@ -33,23 +33,23 @@ void PositionEstimate::gather(PositionEstimatePorts& ports) {
         const Vector force_B = math::vector(ports.accel->xyz);
         if (!math::is_finite(force_B.squaredNorm())) continue;
         forces_B_ += force_B;
-        force_count_ += 1.0f;
+        force_count_ += 1.0F;
     }
 }
 
 // True if the estimate's time moved on.
 bool PositionEstimate::predict(const PositionEstimatePorts& ports) {
-    if (!ports.attitude || force_count_ == 0.0f) return false;
+    if (!ports.attitude || force_count_ == 0.0F) return false;
     const math::Quaternion<float> q_NB = math::quaternion(ports.attitude->q);
-    const Vector force_B = forces_B_ * (1.0f / force_count_);
-    const Vector acceleration_N = q_NB * force_B + Vector(0.0f, 0.0f, kGravity);
+    const Vector force_B = forces_B_ * (1.0F / force_count_);
+    const Vector acceleration_N = q_NB * force_B + Vector(0.0F, 0.0F, kGravity);
     const uint64_t time_us = ports.attitude->timestamp_sample;
     if (time_us <= time_us_ || !math::is_finite(acceleration_N.squaredNorm())) return false;
-    const float dt = time_us_ == 0 ? 0.0f : seconds(time_us - time_us_);
+    const float dt = time_us_ == 0 ? 0.0F : seconds(time_us - time_us_);
     time_us_ = time_us;
     heading_ = math::heading(q_NB);
     forces_B_ = Vector::Zero();
-    force_count_ = 0.0f;
+    force_count_ = 0.0F;
     if (dt > kLongestGap) state_ = State::kLost;
     if (state_ != State::kLost) filter_.predict(acceleration_N, dt);
     return true;
@@ -94,7 +94,7 @@ void PositionEstimate::begin_acquisition(const Vector& position, uint64_t time_u
 // Takes the velocity from two positions.
 void PositionEstimate::end_acquisition(const Vector& position, uint64_t time_us) {
     state_ = State::kTracking;
-    const Vector velocity = (position - acquired_) * (1.0f / seconds(time_us - acquired_us_));
+    const Vector velocity = (position - acquired_) * (1.0F / seconds(time_us - acquired_us_));
     filter_.restart(position + velocity * age_of(time_us), velocity);
 }
 

@@ -42,8 +42,8 @@ class PositionEstimate {
     // Since the last prediction: rotors shake the accelerometer faster than the attitude comes, and
     // one sample of several would turn that into a slow error.
     Vector forces_B_ = Vector::Zero();
-    float force_count_ = 0.0f;
-    float heading_ = 0.0f;
+    float force_count_ = 0.0F;
+    float heading_ = 0.0F;
 };
 
 }  // namespace stator

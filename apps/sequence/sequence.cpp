@@ -24,8 +24,8 @@ constexpr float kPositionLost_s = 0.5F;
 constexpr float kTouchdownLag = 0.25F;   // m
 constexpr float kTouchdownSpeed = 0.1F;  // m/s
 constexpr float kTouchdownTime_s = 0.5F;
-// At the height of the take-off there is no doubt, and no time: a vehicle that leans into the wind
-// while the ground levels it falls over if it flies on.
+// At the height of the take-off the ground is certain, and time is short: a vehicle that leans into
+// the wind while the ground levels it falls over if it flies on.
 constexpr float kAtGround = 0.15F;  // m, where a leaning one stands on a foot
 constexpr float kTouchdownTimeAtGround_s = 0.2F;
 

@@ -17,7 +17,7 @@ constexpr uint32_t kWatchdog_ms = 500;  // nominal: 340 to 940, ten turns of the
 constexpr stm32f4::MicrosecondTimer kTimer;
 constexpr stm32f4::Watchdog kWatchdog;
 
-// Nobody is selected while the supplies come up.
+// No part is selected while the supplies come up.
 void start_pins() {
     for (const stm32f4::Pin& select : pins::kSelects) select.make_output(true);
     pins::kAmberLed.make_output(true);
@@ -92,7 +92,7 @@ bool take_can1_changed() {
     return take_can1(bxcan::kErrors);
 }
 
-// Who asks on the link is told.
+// The link answers requests for the record.
 void report(const FaultRecord&) {}
 
 }  // namespace stator::board

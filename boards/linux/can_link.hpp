@@ -6,7 +6,7 @@
 
 namespace stator::board {
 
-// False after one line that says why there is no such bus.
+// False after one line that says why the bus cannot be used.
 [[nodiscard]] bool is_can_interface(const char* interface);
 
 // The simulated parts' place on the bus. One thread.

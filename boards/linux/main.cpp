@@ -3,8 +3,8 @@
 //
 // Exit status: 0 the run ended, whatever became of the vehicle; 1 a file could not be written
 // whole, or the graph did not come to rest or has a task that does not end; 2 a wrong argument, a
-// file that cannot be opened, or a machine without the threads; 3 the run ended in order because
-// somebody who may asked for a restart: start it again; 128 + its number: a signal ended the run.
+// file that cannot be opened, or a machine without the threads; 3 the run ended in order for an
+// authorised restart request: start it again; 128 + its number: a signal ended the run.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -20,12 +20,13 @@
 #include "options.hpp"
 #include "real_world.hpp"
 #include "run_options.hpp"
+#include "stator/recording.hpp"
 
 namespace {
 
 using namespace stator;
 
-constexpr int kRestart = 3;  // as codegen/stator/flight/restarts.py has it
+constexpr int kRestart = 3;  // codegen/stator/flight/restarts.py reads it here
 
 board::RealWorld* the_world = nullptr;
 
@@ -49,7 +50,7 @@ bool is_alone(int file) {
         return false;
     }
     file = descriptor < 0 ? nullptr : fdopen(descriptor, "wb");
-    // What has no length, such as a pipe, is not emptied.
+    // A pipe, for example, has no length and cannot be emptied.
     if (file != nullptr && (ftruncate(descriptor, 0) == 0 || errno == EINVAL)) return true;
     std::fprintf(stderr, "error: cannot open '%s': %s\n", path, std::strerror(errno));
     return false;
@@ -115,8 +116,8 @@ void print_levels(double wall_s) {
     for (unsigned i = 0; i < program.level_count; ++i) {
         const LevelFacts facts = facts_of_level(i);
         std::printf(
-            "%s{\"level\": %u, \"cpu_s\": %.6f, \"load\": %.6f, \"wakes\": %llu, "
-            "\"worst_release_us\": %.3f}",
+            "%s{\"level\": %u, \"cpu_s\": %0.6F, \"load\": %0.6F, \"wakes\": %llu, "
+            "\"worst_release_us\": %0.3F}",
             i == 0 ? "" : ", ", program.levels[i].priority, seconds(facts.cpu_ns),
             seconds(facts.cpu_ns) / wall_s, static_cast<unsigned long long>(facts.wakes),
             static_cast<double>(facts.worst_release_ns) * 1e-3);

@@ -73,7 +73,7 @@ void RealWorld::command_motors(const MotorSim::Control& control) {
     const Command command{clock_us(), {control[0], control[1], control[2], control[3]}};
     const Lock lock(&mutex_);
     // A world that is held up that long sees the newest command all the same.
-    if (command_count_ == kMostCommands) --command_count_;
+    if (command_count_ == kMaxCommands) --command_count_;
     commands_[command_count_++] = command;
 }
 

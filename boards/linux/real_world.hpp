@@ -40,7 +40,7 @@ class RealWorld {
     // Once it has ended.
     const World& world() const { return world_; }
     bool truth_is_whole() const { return truth_is_whole_; }
-    // Samples that nobody saw, as the driver was still busy with the one before.
+    // Samples that were not read, as the driver was still busy with the one before.
     std::uint64_t missed_samples() const { return missed_samples_; }
 
   private:
@@ -49,7 +49,7 @@ class RealWorld {
         std::array<float, kRotors> control;
     };
 
-    static constexpr unsigned kMostCommands = 16;  // of one millisecond
+    static constexpr unsigned kMaxCommands = 16;  // of one millisecond
 
     void run();
     void obey(std::uint64_t until_us);
@@ -64,7 +64,7 @@ class RealWorld {
     pthread_t thread_{};
     std::atomic<bool> ends_{false};
     Mutex mutex_;
-    std::array<Command, kMostCommands> commands_{};  // under the mutex, and so is the next
+    std::array<Command, kMaxCommands> commands_{};  // under the mutex, and so is the next
     unsigned command_count_ = 0;
     CanParts can_parts_;
     BaroSim::Device barometer_{};

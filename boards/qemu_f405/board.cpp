@@ -11,6 +11,7 @@
 #include "semihosting.hpp"
 #include "serial.hpp"
 #include "stator/cortex_m.hpp"
+#include "stator/recording.hpp"
 #include "timers.hpp"
 
 namespace stator::board {
@@ -210,10 +211,10 @@ void prepare() {
     kClock.start();
     nvic::priority(kAnyVector) = 0xFF;
     require(nvic::priority(kAnyVector) == kPriorityBits,
-            "this emulator has not the chip's 4 priority bits: QEMU 10 is needed");
+            "this emulator lacks the chip's 4 priority bits: QEMU 10 is needed");
     require(to_plant.open(link::kToPlant, semihosting::Mode::kWrite) &&
                 from_plant.open(link::kFromPlant, semihosting::Mode::kRead),
-            "there is no plant: ./stator emulate starts one");
+            "the plant is missing: ./stator emulate starts one");
     require(log_file.open(link::kLog, semihosting::Mode::kWrite), "cannot open the log");
     motors.write = write_motors;
     log_storage.append = append;
@@ -280,7 +281,7 @@ bool watchdog_was_kicked() {
     return std::exchange(is_kicked, false);
 }
 
-// The plant stops its motors at a value that is no number.
+// The plant stops its motors at a value that is not a number.
 void make_safe() {
     constexpr float kStopped = std::numeric_limits<float>::quiet_NaN();
     const link::ToPlant message{.kind = link::ToPlant::Kind::kCommand,

@@ -18,9 +18,10 @@ inline constexpr char kRestart[] = "restart";
 
 struct ToPlant {
     enum class Kind : uint64_t {
-        kStep = 1,      // move the world up to time_us, and answer
-        kCommand = 2,   // the motors do this from time_us on
-        kFinished = 3,  // the firmware has ended the flight, that the plant declared over as a rule
+        kStep = 1,     // move the world up to time_us, and answer
+        kCommand = 2,  // the motors do this from time_us on
+        kFinished =
+            3,  // the firmware has ended the flight, mostly after the plant declared it over
     };
     Kind kind = Kind::kStep;
     uint64_t time_us = 0;
@@ -31,7 +32,7 @@ struct ToPlant {
     uint64_t preemptions = 0;
     uint64_t unrecorded_activations = 0;
     uint64_t missed_life_signs = 0;
-    uint64_t restarts = 0;  // 1: somebody asked for a restart, which ended the flight
+    uint64_t restarts = 0;  // 1: a restart request ended the flight
 };
 static_assert(sizeof(ToPlant) == 88);
 
@@ -55,10 +56,10 @@ struct FromPlant {
     std::array<float, 3> gyro_B{};            // rad/s
     std::array<float, 3> accel_B{};           // m/s^2
     std::array<float, 3> mocap_position_N{};  // m
-    float mocap_yaw = 0.0f;                   // rad
+    float mocap_yaw = 0.0F;                   // rad
     std::array<float, 3> mag_B{};             // gauss
-    float pressure = 0.0f;                    // Pa
-    float temperature_degc = 0.0f;
+    float pressure = 0.0F;                    // Pa
+    float temperature_degc = 0.0F;
     std::array<float, 3> gnss_velocity_N{};  // m/s
     std::array<float, 3> gnss_errors{};      // horizontal and vertical in m, speed in m/s
     uint32_t satellites = 0;

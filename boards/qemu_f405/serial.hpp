@@ -11,7 +11,7 @@ namespace stator::board {
 
 class SerialPort {
   public:
-    // At hardware priority 0; what comes waits in a ring until somebody reads it.
+    // At hardware priority 0; what comes waits in a ring until it is read.
     void start() const {
         kControl.write(kEnable | kReceive | kTransmit | kReceiveInterrupt);
         nvic::priority(kVector) = 0;

@@ -41,7 +41,7 @@ class PeriodicTimer {
         nvic::set_enable(vector_ / 32U).write(1U << vector_ % 32U);
     }
     void acknowledge() const { Register(base_ + kStatus).write(0); }
-    // Nanoseconds, which in this emulator do not start anew with a period.
+    // Nanoseconds. In this emulator they do not restart with a period.
     uint32_t ns() const { return Register(base_ + kCount).read(); }
 
   private:

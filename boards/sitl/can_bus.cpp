@@ -16,7 +16,7 @@ std::uint64_t duration_us(const dronecan::Frame& frame) {
 }  // namespace
 
 void CanBus::send(const dronecan::Frame& frame, Sender sender, std::uint64_t now_us) {
-    if (count_ == kMostWaiting) {
+    if (count_ == kMaxWaiting) {
         ++lost_;
         return;
     }

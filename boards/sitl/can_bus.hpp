@@ -1,4 +1,5 @@
-// A simulated CAN bus at 1 Mbit/s: one frame at a time, of those that wait the lowest identifier.
+// A simulated CAN bus at 1 Mbit/s: one frame at a time, the lowest identifier of those that wait
+// first.
 #pragma once
 
 #include <array>
@@ -29,11 +30,11 @@ class CanBus {
     std::uint32_t lost() const { return lost_; }
 
   private:
-    static constexpr unsigned kMostWaiting = 128;
+    static constexpr unsigned kMaxWaiting = 128;
 
     void begin(std::uint64_t now_us);
 
-    std::array<Sent, kMostWaiting> waiting_{};  // in the order they came
+    std::array<Sent, kMaxWaiting> waiting_{};  // in the order they came
     unsigned count_ = 0;
     std::optional<Sent> sending_;
     std::uint32_t lost_ = 0;

@@ -34,7 +34,7 @@ std::int32_t millimetres(double metres) {
 
 CanParts::CanParts(Send sink) : send_(sink), receiver_(kWanted) {
     dronecan::NodeSet all;
-    all.add_range(1, dronecan::kMostNodeId);
+    all.add_range(1, dronecan::kMaxNodeId);
     receiver_.allow(all);
 }
 

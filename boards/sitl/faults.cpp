@@ -60,7 +60,7 @@ const char* const kFaultNames =
     "motor_1 to motor_4[=0..1]";
 
 bool Faults::add(const Fault& fault) {
-    if (count_ == kMost) return false;
+    if (count_ == kMax) return false;
     faults_[count_++] = fault;
     return true;
 }

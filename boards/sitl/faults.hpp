@@ -29,7 +29,7 @@ struct Fault {
 
 class Faults {
   public:
-    static constexpr unsigned kMost = 16;
+    static constexpr unsigned kMax = 16;
 
     // False if there are too many.
     [[nodiscard]] bool add(const Fault& fault);
@@ -37,7 +37,7 @@ class Faults {
     std::optional<double> now(FaultKind kind, std::uint64_t time_us) const;
 
   private:
-    std::array<Fault, kMost> faults_{};
+    std::array<Fault, kMax> faults_{};
     unsigned count_ = 0;
 };
 

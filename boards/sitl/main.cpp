@@ -17,6 +17,7 @@
 #include "flight_facts.hpp"
 #include "mission_file.hpp"
 #include "options.hpp"
+#include "stator/recording.hpp"
 
 namespace {
 
@@ -24,7 +25,7 @@ using namespace stator;
 
 // Most time that each preemption point takes with `--times random`. The quad passes 138 of them in
 // a millisecond, so the machine is busy for 40 % of the time, and jobs overlap.
-constexpr std::uint32_t kMostRandomTime_us = 6;
+constexpr std::uint32_t kMaxRandomTime_us = 6;
 
 struct Run {
     double wall_s = 0.0;
@@ -83,7 +84,7 @@ Run run(const board::Options& options, const std::vector<std::uint32_t>& budgets
     // The host's clock is for the report only; nothing that is logged may depend on it.
     const auto begin = std::chrono::steady_clock::now();
     start();
-    if (options.random_times) use_random_times({options.conditions.seed, kMostRandomTime_us});
+    if (options.random_times) use_random_times({options.conditions.seed, kMaxRandomTime_us});
     if (!budgets.empty()) use_budgets(budgets);
     if (options.speed > 0.0) {
         run_paced(options);

@@ -82,9 +82,9 @@ struct GnssFix {
     std::uint64_t time_us = 0;  // of the fix
     Geodetic place{};
     Vector3f velocity_N = Vector3f::Zero();
-    float horizontal_error = 0.0f;  // m, as the receiver believes
-    float vertical_error = 0.0f;    // m
-    float speed_error = 0.0f;       // m/s
+    float horizontal_error = 0.0F;  // m, as the receiver believes
+    float vertical_error = 0.0F;    // m
+    float speed_error = 0.0F;       // m/s
     std::uint32_t satellites = 0;   // none: no fix
 };
 

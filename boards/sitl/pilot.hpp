@@ -14,10 +14,10 @@ namespace stator::board {
 
 struct PilotFrame {
     std::uint64_t time_us = 0;
-    float roll = 0.0f;
-    float pitch = 0.0f;
-    float yaw = 0.0f;
-    float throttle = 0.0f;
+    float roll = 0.0F;
+    float pitch = 0.0F;
+    float yaw = 0.0F;
+    float throttle = 0.0F;
     unsigned mode_slot = 1;
     bool arm = false;
     bool return_home = false;

@@ -76,7 +76,7 @@ Vector3f Imu::rotor_lines(const Plant& plant) {
         rotor_angles_[i] = math::wrap_pi(rotor_angles_[i] + speed * period);
         const auto turn = math::sincos(static_cast<float>(rotor_angles_[i]));
         const float size = static_cast<float>(load(plant.parameters(), speed));
-        sum += size * Vector3f(turn.cos, turn.sin, 2.0f * turn.sin * turn.cos);
+        sum += size * Vector3f(turn.cos, turn.sin, 2.0F * turn.sin * turn.cos);
     }
     return sum;
 }

@@ -79,7 +79,7 @@ Wind::Wind(const WindParameters& parameters, std::uint64_t seed)
 
 Vector3 Wind::next_gust(double height, double airspeed) {
     const GustScale scale = gust_scale(parameters_.gusts, height);
-    const double passed = math::max(airspeed, kLeastAirspeed) * 1e-6 * kGustPeriod_us;
+    const double passed = math::max(airspeed, kMinAirspeed) * 1e-6 * kGustPeriod_us;
     const double along = scale.sigma_level * along_.next(passed / scale.level, random_);
     const double across = scale.sigma_level * across_.next(passed / scale.level, random_);
     const double down = scale.sigma_vertical * down_.next(passed / scale.vertical, random_);

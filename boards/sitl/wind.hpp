@@ -52,7 +52,7 @@ GustScale gust_scale(Gusts gusts, double height);
 class Wind {
   public:
     static constexpr std::uint64_t kGustPeriod_us = 10000;  // a straight line in between
-    static constexpr double kLeastAirspeed = 3.0;  // m/s; slower, gusts change by themselves
+    static constexpr double kMinAirspeed = 3.0;  // m/s; slower, gusts change by themselves
 
     Wind(const WindParameters& parameters, std::uint64_t seed);
 

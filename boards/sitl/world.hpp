@@ -30,7 +30,7 @@ class World {
   public:
     explicit World(const Conditions& conditions);
 
-    // A pilot's frame, and whether it was heard anew.
+    // A pilot's frame, and whether it has been heard since the last one.
     struct RadioFrame {
         PilotFrame hands{};
         bool is_heard = false;

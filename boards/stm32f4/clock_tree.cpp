@@ -50,28 +50,28 @@ constexpr uint32_t kWatchdogs = 3U << 29;
 
 // The crystal takes about 2 ms to start (data sheet, table of HSE characteristics); a read takes at
 // least 2 cycles of 16 MHz, so this waits 12 ms or more. The PLL locks within 300 us.
-constexpr uint32_t kMostCrystalReads = 100'000;
-constexpr uint32_t kMostPllReads = 10'000;
+constexpr uint32_t kMaxCrystalReads = 100'000;
+constexpr uint32_t kMaxPllReads = 10'000;
 
 bool switch_clock(uint32_t to, uint32_t switched) {
     rcc::kConfiguration.write((rcc::kConfiguration.read() & ~kSwitchMask) | to);
-    return wait_until(rcc::kConfiguration, kSwitchStatusMask, switched, kMostPllReads);
+    return wait_until(rcc::kConfiguration, kSwitchStatusMask, switched, kMaxPllReads);
 }
 
-// A bootloader may have left the PLL running, and what runs cannot be set anew (6.3.2).
+// A bootloader may have left the PLL running, and a running one cannot be changed (6.3.2).
 bool stop_pll() {
     rcc::kControl.set(kHsiOn);
-    if (!wait_until(rcc::kControl, kHsiReady, kHsiReady, kMostPllReads)) return false;
+    if (!wait_until(rcc::kControl, kHsiReady, kHsiReady, kMaxPllReads)) return false;
     if (!switch_clock(kSwitchToHsi, kSwitchedToHsi)) return false;
     rcc::kControl.clear(kPllOn);
-    return wait_until(rcc::kControl, kPllReady, 0, kMostPllReads);
+    return wait_until(rcc::kControl, kPllReady, 0, kMaxPllReads);
 }
 
 bool start_pll(uint32_t input_mhz, uint32_t source) {
     if (!stop_pll()) return false;
     rcc::kPll.write(input_mhz | kPllN | kPllPBy2 | source | kPllQ);
     rcc::kControl.set(kPllOn);
-    if (!wait_until(rcc::kControl, kPllReady, kPllReady, kMostPllReads)) return false;
+    if (!wait_until(rcc::kControl, kPllReady, kPllReady, kMaxPllReads)) return false;
     // Before the clock rises: 3.5.1.
     kFlashAccess.write(kWaitStates | kPrefetch | kCaches);
     rcc::kConfiguration.set(kApb1By4 | kApb2By2);
@@ -84,7 +84,7 @@ ClockSource start_clocks(uint32_t crystal_mhz) {
     rcc::kApb1Enable.set(kPowerClock);
     kPowerControl.set(kVoltageScale1);
     rcc::kControl.set(kHseOn);
-    if (wait_until(rcc::kControl, kHseReady, kHseReady, kMostCrystalReads)) {
+    if (wait_until(rcc::kControl, kHseReady, kHseReady, kMaxCrystalReads)) {
         return start_pll(crystal_mhz, kPllFromHse) ? ClockSource::kCrystal : ClockSource::kNone;
     }
     rcc::kControl.clear(kHseOn);

@@ -35,8 +35,8 @@ enum class ClockSource {
 // a few ms. Before anything else runs; once.
 [[nodiscard]] ClockSource start_clocks(uint32_t crystal_mhz);
 
-// Why the chip was last reset (6.3.21), read once and cleared, so that the next reset is told
-// apart.
+// Why the chip was last reset (6.3.21), read once and cleared, so that the next reset is
+// seen as another one.
 struct ResetCause {
     bool by_watchdog;  // independent or window
     bool by_software;

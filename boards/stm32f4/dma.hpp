@@ -56,7 +56,7 @@ class DmaStream {
     static constexpr uint32_t kIncrement = 1U << 10;
     static constexpr uint32_t kAllFlags = 0x3D;
     // A stream that is switched off ends the item it moves (10.3.17): some ten cycles of the bus.
-    static constexpr uint32_t kMostReads = 1'000;
+    static constexpr uint32_t kMaxReads = 1'000;
 
     constexpr uint32_t base() const { return 0x40026000U + 0x400U * (controller_ - 1); }
     Register at(uint32_t offset) const { return Register(base() + 0x10 + 0x18 * stream_ + offset); }
@@ -66,7 +66,7 @@ class DmaStream {
         rcc::kAhb1Enable.set(1U << (20 + controller_));
         const Register control = at(0x00);  // DMA_SxCR; 10.3.17 gives the order
         control.write(0);
-        if (!wait_until(control, kEnable, 0, kMostReads)) return false;
+        if (!wait_until(control, kEnable, 0, kMaxReads)) return false;
         clear_flags();
         at(0x08).write(data_register);                                              // DMA_SxPAR
         at(0x0C).write(static_cast<uint32_t>(reinterpret_cast<uintptr_t>(bytes)));  // DMA_SxM0AR

@@ -24,8 +24,8 @@ constexpr uint32_t kLock = 1U << 31;
 
 // A word takes at most 100 us, a sector of 128 KB at most 2 s (data sheet, flash characteristics);
 // a read takes at least 2 of 168 cycles a microsecond.
-constexpr uint32_t kMostProgramReads = 20'000;
-constexpr uint32_t kMostEraseReads = 400'000'000;
+constexpr uint32_t kMaxProgramReads = 20'000;
+constexpr uint32_t kMaxEraseReads = 400'000'000;
 
 FlashStatus outcome(uint32_t most_reads) {
     if (!wait_until(kStatus, kBusy, 0, most_reads)) return FlashStatus::kBusy;
@@ -36,7 +36,7 @@ FlashStatus outcome(uint32_t most_reads) {
 }
 
 FlashStatus begin() {
-    if (!wait_until(kStatus, kBusy, 0, kMostProgramReads)) return FlashStatus::kBusy;
+    if (!wait_until(kStatus, kBusy, 0, kMaxProgramReads)) return FlashStatus::kBusy;
     if ((kControl.read() & kLock) != 0) {
         kKey.write(kKey1);
         kKey.write(kKey2);
@@ -51,7 +51,7 @@ FlashStatus erase_sector(uint32_t sector) {
     if (const FlashStatus ready = begin(); ready != FlashStatus::kDone) return ready;
     kControl.write(kErase | sector << kSectorShift | kWords);
     kControl.set(kStart);
-    const FlashStatus status = outcome(kMostEraseReads);
+    const FlashStatus status = outcome(kMaxEraseReads);
     kControl.write(kLock);
     return status;
 }
@@ -60,7 +60,7 @@ FlashStatus program_word(uint32_t address, uint32_t value) {
     if (const FlashStatus ready = begin(); ready != FlashStatus::kDone) return ready;
     kControl.write(kProgram | kWords);
     Register(address).write(value);
-    const FlashStatus status = outcome(kMostProgramReads);
+    const FlashStatus status = outcome(kMaxProgramReads);
     kControl.write(kLock);
     return status;
 }

@@ -1,5 +1,5 @@
 // A USART whose bytes DMA moves (RM0090, 30.6): sending costs no interrupt, and what comes in waits
-// in a ring until somebody reads it.
+// in a ring until it is read.
 #pragma once
 
 #include <algorithm>

@@ -20,7 +20,7 @@ class Watchdog {
         kKey.write(kUnlock);
         kPrescaler.write(kBy32);
         kReload.write(timeout_ms - 1);
-        const bool taken = wait_until(kStatus, kUpdating, 0, kMostReads);
+        const bool taken = wait_until(kStatus, kUpdating, 0, kMaxReads);
         kick();
         return taken;
     }
@@ -37,7 +37,7 @@ class Watchdog {
     static constexpr uint32_t kBy32 = 3;  // 1 ms a count at 32 kHz
     static constexpr uint32_t kUpdating = 3;
     // Five cycles of the slow oscillator (21.4.4) are 300 us at 17 kHz: 50,000 cycles of 168 MHz.
-    static constexpr uint32_t kMostReads = 50'000;
+    static constexpr uint32_t kMaxReads = 50'000;
 };
 
 }  // namespace stator::stm32f4

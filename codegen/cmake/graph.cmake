@@ -42,7 +42,10 @@ function(stator_add_graph_parts target graph board)
     add_library(${target}_interfaces INTERFACE)
     target_include_directories(${target}_interfaces INTERFACE "${folder}")
     target_link_libraries(${target}_interfaces
-        INTERFACE stator_${graph_executor} stator_flags stator_core stator_math stator_dronecan)
+        INTERFACE stator_${graph_executor} stator_flags stator_math stator_dronecan stator_bytes)
+    if(NOT graph_executor STREQUAL "replay")  # which has ports of its own, and no logger
+        target_link_libraries(${target}_interfaces INTERFACE stator_log stator_parameter_port)
+    endif()
 
     set(libraries)
     foreach(entry IN LISTS graph_libraries)

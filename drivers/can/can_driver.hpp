@@ -23,7 +23,7 @@ enum class CanSend : uint8_t {
 };
 
 // Frames that waited for so long are given up: an old motor command is worse than none.
-inline constexpr uint64_t kMostCanWait_us = 50'000;
+inline constexpr uint64_t kMaxCanWait_us = 50'000;
 
 template <class Port>
 class CanDriver {
@@ -41,8 +41,8 @@ class CanDriver {
     }
 
   private:
-    static constexpr unsigned kMostWaiting = 32;
-    static constexpr unsigned kMostReceived = 8;  // of one activation: the burst of the output
+    static constexpr unsigned kMaxWaiting = 32;
+    static constexpr unsigned kMaxReceived = 8;  // of one activation: the burst of the output
 
     void queue(const CanFrame& frame) {
         const bool is_frame = frame.length <= frame.data.size() &&
@@ -56,7 +56,7 @@ class CanDriver {
         }
     }
     void send_waiting(uint64_t now_us) {
-        if (now_us > kMostCanWait_us) tx_lost_ += queue_.remove_older(now_us - kMostCanWait_us);
+        if (now_us > kMaxCanWait_us) tx_lost_ += queue_.remove_older(now_us - kMaxCanWait_us);
         while (!queue_.is_empty()) {
             const CanSend result = port_.send(queue_.first());
             if (result == CanSend::kFull) return;
@@ -66,7 +66,7 @@ class CanDriver {
     }
     void receive(CanPorts& ports) {
         CanFrame frame;
-        for (unsigned i = 0; i < kMostReceived && port_.receive(frame, ports.now); ++i) {
+        for (unsigned i = 0; i < kMaxReceived && port_.receive(frame, ports.now); ++i) {
             // Samples of a topic keep their order in time, whatever the controller's clock did.
             if (frame.timestamp_sample < newest_us_) frame.timestamp_sample = newest_us_;
             newest_us_ = frame.timestamp_sample;
@@ -87,7 +87,7 @@ class CanDriver {
     }
 
     Port port_;
-    CanQueue<CanFrame, kMostWaiting> queue_;
+    CanQueue<CanFrame, kMaxWaiting> queue_;
     uint64_t frames_tx_ = 0;
     uint64_t frames_rx_ = 0;
     uint64_t refused_ = 0;

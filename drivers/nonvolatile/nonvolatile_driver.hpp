@@ -28,15 +28,15 @@ class NonvolatileDriver {
   private:
     using State = NonvolatileStatus::State;
     using Store = RecordStore<Port>;
-    static constexpr unsigned kLoads = 4;      // in an activation: the burst of the output
-    static constexpr unsigned kMostTries = 5;  // of one slot, in as many activations
+    static constexpr unsigned kLoads = 4;     // in an activation: the burst of the output
+    static constexpr unsigned kMaxTries = 5;  // of one slot, in as many activations
 
     void load(NonvolatilePorts& ports) {
         StoredRecord record{};
         for (unsigned i = 0; i < kLoads && !store_.is_loaded(); ++i) {
             const auto result = store_.load_next(record);
             if (result == Store::Load::kFailed) {
-                if (++tries_ == kMostTries) state_ = State::kFailed;
+                if (++tries_ == kMaxTries) state_ = State::kFailed;
                 return;
             }
             tries_ = 0;
@@ -57,7 +57,7 @@ class NonvolatileDriver {
         const NonvolatileStatus status{.refused = refused_,
                                        .lost = lost_,
                                        .records = static_cast<uint16_t>(store_.records()),
-                                       .most_records = Store::kMostRecords,
+                                       .most_records = Store::kMaxRecords,
                                        .mended = static_cast<uint16_t>(store_.mended()),
                                        .damaged = static_cast<uint16_t>(store_.damaged()),
                                        .state = state_};
@@ -71,7 +71,7 @@ class NonvolatileDriver {
     unsigned tries_ = 0;
     uint32_t refused_ = 0;
     uint32_t lost_ = 0;
-    NonvolatileStatus status_{};  // as it was told
+    NonvolatileStatus status_{};  // as published
 };
 
 }  // namespace stator

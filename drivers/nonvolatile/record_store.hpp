@@ -4,9 +4,9 @@
 // Power may fail at any moment, also in the middle of a write. So each record has a slot, with a
 // copy in either half of the memory; the copies are written one after the other, and each has a
 // CRC. Whenever power fails, one copy at least is whole, the old record or the new one. Loading
-// takes the newer one and writes the other one anew. Damage of one copy costs nothing, of both the
-// record, and no other one. There is no collection of garbage, no erasing, and no more to a write
-// than two slots. docs/decisions/0015-records-in-two-copies.md
+// takes the newer one and writes the other one again. If one copy is damaged, nothing is lost; if
+// both are, that record is, and no other. A write costs two slots: there is no garbage collection
+// and no erasing. docs/decisions/0015-records-in-two-copies.md
 //
 // The memory is a port, chosen at compile time; each call takes a bounded time, and false says that
 // the memory did not do it:
@@ -51,8 +51,8 @@ static_assert(std::endian::native == std::endian::little);
 template <class Port>
 class RecordStore {
   public:
-    static constexpr unsigned kMostRecords = 256;
-    static constexpr uint32_t kBytes = 2 * kMostRecords * RecordSlot::kBytes;
+    static constexpr unsigned kMaxRecords = 256;
+    static constexpr uint32_t kBytes = 2 * kMaxRecords * RecordSlot::kBytes;
 
     enum class Load : uint8_t {
         kNothing,  // no record in this slot, or an outdated one
@@ -63,7 +63,7 @@ class RecordStore {
 
     explicit RecordStore(Port port) : port_(port) {}
 
-    bool is_loaded() const { return loaded_ == kMostRecords; }
+    bool is_loaded() const { return loaded_ == kMaxRecords; }
     // Reads the next slot, and mends it if need be. Call until `is_loaded`, and nothing else
     // before.
     Load load_next(StoredRecord& record);
@@ -105,7 +105,7 @@ class RecordStore {
     static bool is_newer(const RecordSlot& slot, const RecordSlot& other) {
         return slot.sequence > other.sequence;
     }
-    // Its place; kMostRecords: it is not there.
+    // Its place; kMaxRecords: it is not there.
     unsigned find(uint32_t key, uint8_t kind) const {
         const auto is_it = [=](const Name& name) {
             return name.is_used && name.key == key && name.kind == kind;
@@ -126,8 +126,8 @@ class RecordStore {
     Load skip(const RecordSlot& second);
 
     Port port_;
-    std::array<Name, kMostRecords> names_{};  // of the records, by place
-    unsigned loaded_ = 0;                     // slots
+    std::array<Name, kMaxRecords> names_{};  // of the records, by place
+    unsigned loaded_ = 0;                    // slots
     unsigned records_ = 0;
     unsigned mended_ = 0;
     unsigned damaged_ = 0;
@@ -135,7 +135,7 @@ class RecordStore {
 };
 
 // Neither copy is good. A second copy that was never written says that the first one was cut off:
-// nobody was told that this record is kept.
+// this record was never reported as kept.
 template <class Port>
 typename RecordStore<Port>::Load RecordStore<Port>::skip(const RecordSlot& second) {
     ++loaded_;
@@ -149,7 +149,7 @@ template <class Port>
 typename RecordStore<Port>::Load RecordStore<Port>::take(unsigned place, const RecordSlot& slot,
                                                          StoredRecord& record) {
     const unsigned other = find(slot.key, slot.kind);
-    if (other < kMostRecords) {
+    if (other < kMaxRecords) {
         RecordSlot there;
         if (!read(0, other, there)) return Load::kFailed;
         if (!is_newer(slot, there)) {
@@ -198,8 +198,8 @@ typename RecordStore<Port>::Keep RecordStore<Port>::keep(const StoredRecord& rec
     if (slot.length > slot.data.size()) slot.length = static_cast<uint8_t>(slot.data.size());
     std::fill(slot.data.begin() + slot.length, slot.data.end(), uint8_t{0});
     unsigned place = find(slot.key, slot.kind);
-    if (place == kMostRecords) place = find_free();
-    if (place == kMostRecords) return Keep::kFull;
+    if (place == kMaxRecords) place = find_free();
+    if (place == kMaxRecords) return Keep::kFull;
     RecordSlot now;
     if (!read(0, place, now)) return Keep::kFailed;
     if (names_[place].is_used && now.is_good(place) && now.has_record_of(slot)) return Keep::kKept;

@@ -71,7 +71,7 @@ void restart() {
     reset();
 }
 
-FaultRecord& begin_record(FaultRecord::Cause cause) {
+FaultRecord& begin_fault_record(FaultRecord::Cause cause) {
     if (is_recording) end_nested();
     is_recording = true;
     stator_kept_record.record = FaultRecord{};
@@ -80,7 +80,7 @@ FaultRecord& begin_record(FaultRecord::Cause cause) {
 }
 
 void fail(const char* what) {
-    FaultRecord& record = begin_record(FaultRecord::Cause::kAssertion);
+    FaultRecord& record = begin_fault_record(FaultRecord::Cause::kAssertion);
     add_registers(record, nullptr);
     record.frame[6] = reinterpret_cast<uint32_t>(__builtin_return_address(0));
     std::strncpy(record.what.data(), what, record.what.size() - 1);
@@ -104,7 +104,7 @@ void fail(const char* what) {
 
 void stator_on_fault(const uint32_t* frame, uint32_t exc_return, const uint32_t* saved) {
     using namespace stator;
-    FaultRecord& record = begin_record(FaultRecord::Cause::kFault);
+    FaultRecord& record = begin_fault_record(FaultRecord::Cause::kFault);
     record.exc_return = exc_return;
     std::memcpy(record.saved.data(), saved, sizeof record.saved);
     add_registers(record, frame);

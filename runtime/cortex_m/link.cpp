@@ -12,19 +12,19 @@ const Transport* link_transport = nullptr;
 
 namespace {
 
-constexpr unsigned kMostTries = 4;
+constexpr unsigned kMaxTries = 4;
 
 // Without a pin, as no slot is planned for this reader: a publisher may write meanwhile, but its
 // commit tells it. Gives up after some tries, as if there were no sample.
 void put_sample(Writer& out, unsigned index) {
     const Topic& topic = *program.topics[index];
     out.put(static_cast<uint16_t>(index));
-    for (unsigned i = 0; i < kMostTries; ++i) {
+    for (unsigned i = 0; i < kMaxTries; ++i) {
         Writer body = out;
         const uint32_t head = topic.state->head.load();
         Pin pin;
         if (head == 0 || !take_latest(topic, 0, pin, false)) break;
-        const auto bytes = std::min(topic.sample_bytes, kMostSampleBytes);
+        const auto bytes = std::min(topic.sample_bytes, kMaxSampleBytes);
         body.put(head);
         body.put(static_cast<const uint8_t*>(topic.samples) + pin.slot * topic.sample_bytes, bytes);
         if (topic.state->head.load() != head) continue;
@@ -41,7 +41,7 @@ size_t answer(const uint8_t* request, size_t count, uint8_t* body) {
     switch (asked.kind) {
         case Request::kInfo:
             put_info(out, program, board::kTickSource, clock_us(), is_safe_mode(),
-                     static_cast<uint8_t>(last_record.cause));
+                     static_cast<uint8_t>(last_fault_record.cause));
             return out.count();
         case Request::kTasks:
             put_tasks(out, program, clock_us(), asked.argument);
@@ -51,7 +51,7 @@ size_t answer(const uint8_t* request, size_t count, uint8_t* body) {
             put_sample(out, asked.argument);
             return out.count();
         case Request::kFault:
-            out.put(last_record);
+            out.put(last_fault_record);
             return out.count();
         default:
             return 0;

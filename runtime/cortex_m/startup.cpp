@@ -89,8 +89,8 @@ void enable_vectors() {
     fill_memory();
     enable_faults();
     construct();
-    take_record();
-    if (last_record.cause != FaultRecord::Cause::kNone) board::report(last_record);
+    take_fault_record();
+    if (last_fault_record.cause != FaultRecord::Cause::kNone) board::report(last_fault_record);
     board::prepare();
     if (is_safe_mode()) stay_safe();
     program.start();

@@ -23,7 +23,7 @@ namespace stator {
 void stator_on_watchdog_timer(const uint32_t* frame, uint32_t exc_return) {
     using namespace stator;
     if (board::watchdog_was_kicked()) return;
-    FaultRecord& record = begin_record(FaultRecord::Cause::kWatchdog);
+    FaultRecord& record = begin_fault_record(FaultRecord::Cause::kWatchdog);
     record.exc_return = exc_return;
     add_registers(record, frame);
     end_run(record);

@@ -35,7 +35,7 @@ bool ReceiverCore::accept(const Storage& storage, const Frame& frame, uint64_t n
         ++counters_.refused;
         return false;
     }
-    if (frame.length == 0 || frame.length > kMostFrameBytes) {
+    if (frame.length == 0 || frame.length > kMaxFrameBytes) {
         ++counters_.malformed;
         return false;
     }
@@ -146,7 +146,7 @@ bool ReceiverCore::continues(Session& session, uint8_t tail, uint64_t now_us) {
 // Adds the frame's bytes; the checksum in front of the first of several frames goes to `crc`.
 bool ReceiverCore::take(Session& session, const Frame& frame, std::span<uint8_t> room) {
     const uint8_t tail = frame.data[frame.length - 1];
-    const bool full = (tail & Tail::kEnd) != 0 || frame.length == kMostFrameBytes;
+    const bool full = (tail & Tail::kEnd) != 0 || frame.length == kMaxFrameBytes;
     std::span<const uint8_t> bytes = std::span(frame.data).first(frame.length - 1U);
     if (full && session.several && (tail & Tail::kStart) != 0) {
         session.crc = static_cast<uint16_t>(bytes[0] | (bytes[1] << 8));

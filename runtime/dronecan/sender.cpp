@@ -7,7 +7,7 @@ namespace stator::dronecan {
 
 namespace {
 
-constexpr std::size_t kPayloadBytes = kMostFrameBytes - 1;
+constexpr std::size_t kPayloadBytes = kMaxFrameBytes - 1;
 
 }  // namespace
 

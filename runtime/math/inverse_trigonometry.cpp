@@ -121,7 +121,7 @@ double atan2(double y, double x) {
     return atan2_of(y, x);
 }
 float atan(float x) {
-    return atan2_of(x, 1.0f);
+    return atan2_of(x, 1.0F);
 }
 double atan(double x) {
     return atan2_of(x, 1.0);

@@ -56,10 +56,10 @@ double Random::uniform_double() {
 // turn's cosine. It is made from half the angle, which needs no reduction.
 float Random::gaussian_float() {
     // In (0, 1], never 0; a float's exponent keeps all 32 bits where they count, near 0.
-    const float u = static_cast<float>(word()) * 0x1p-32f + 0x1p-33f;
+    const float u = static_cast<float>(word()) * 0x1p-32F + 0x1p-33F;
     const auto phase = static_cast<std::int32_t>(word());
-    const SinCos<float> half = sincos(static_cast<float>(phase) * (kPi<float> * 0x1p-33f));
-    return sqrt(-2.0f * log(u)) * (2.0f * half.sin * half.cos);
+    const SinCos<float> half = sincos(static_cast<float>(phase) * (kPi<float> * 0x1p-33F));
+    return sqrt(-2.0F * log(u)) * (2.0F * half.sin * half.cos);
 }
 
 double Random::gaussian_double() {

@@ -74,14 +74,14 @@ Wide shifted_left(Wide x, int count) {
 // fit into the first number make the second.
 DoubleWord<float> radians(std::uint64_t magnitude) {
     constexpr std::uint64_t kHalfPiBits = 0xc90fdaa2;  // pi/2 in units of 2^-31
-    if (magnitude == 0) return {0.0f, 0.0f};
+    if (magnitude == 0) return {0.0F, 0.0F};
     const int shift = std::countl_zero(magnitude);
     const auto product =
         static_cast<std::uint32_t>((((magnitude << shift) >> 32) * kHalfPiBits) >> 32);
     const float unit = power_of_two<float>(-31 - shift);
     const auto high = static_cast<std::int32_t>(product >> 8);
     const auto low = static_cast<std::int32_t>(product & 0xff);
-    return fast_two_sum(static_cast<float>(high) * 256.0f * unit, static_cast<float>(low) * unit);
+    return fast_two_sum(static_cast<float>(high) * 256.0F * unit, static_cast<float>(low) * unit);
 }
 
 DoubleWord<double> radians(Wide magnitude) {
@@ -116,7 +116,7 @@ ReducedAngle<float> reduce_any_angle(float x) {
     const std::uint64_t fraction = turns << 2;
     const bool below = (fraction >> 63) != 0;
     const auto quarters = static_cast<unsigned>(turns >> 62) + (below ? 1u : 0u);
-    return reduced(radians(below ? 0 - fraction : fraction), below, quarters, x < 0.0f);
+    return reduced(radians(below ? 0 - fraction : fraction), below, quarters, x < 0.0F);
 }
 
 ReducedAngle<double> reduce_any_angle(double x) {
@@ -131,7 +131,7 @@ DoubleWord<float> reduce_turns(float x) {
     const std::uint64_t turns = quarter_turns(x);
     const bool below = (turns >> 63) != 0;
     const DoubleWord<float> angle = radians(below ? 0 - turns : turns);
-    return with_sign<float>({4.0f * angle.high, 4.0f * angle.low}, below != (x < 0.0f));
+    return with_sign<float>({4.0F * angle.high, 4.0F * angle.low}, below != (x < 0.0F));
 }
 
 DoubleWord<double> reduce_turns(double x) {

@@ -16,8 +16,8 @@
 
 namespace stator {
 
-PendingWord pending_words[kMostLevels];
-constinit thread_local unsigned current_level = kMostLevels;
+PendingWord pending_words[kMaxLevels];
+constinit thread_local unsigned current_level = kMaxLevels;
 
 namespace {
 
@@ -80,7 +80,7 @@ class LevelThread {
     std::atomic<const Task*> running_{nullptr};
     std::atomic<bool> has_ended_{false};
 };
-std::array<LevelThread, kMostLevels> threads;
+std::array<LevelThread, kMaxLevels> threads;
 
 bool LevelThread::create(unsigned level) {
     place_ = level;
@@ -220,7 +220,7 @@ void stop_releases() {
 // and after the second look, it slept all the time between. All do so at the end of the first
 // round.
 bool is_any_level_busy() {
-    std::array<uint64_t, kMostLevels> sleeps{};
+    std::array<uint64_t, kMaxLevels> sleeps{};
     for (unsigned i = 0; i < program.level_count; ++i) {
         sleeps[i] = threads[i].sleeps();
         if (pending_words[i].bits.load() != 0) return true;

@@ -13,7 +13,7 @@ namespace stator {
 namespace {
 
 constexpr uint64_t kBrokenPause_us = 10'000;
-constexpr unsigned kMostEvents = 16;  // of one look
+constexpr unsigned kMaxEvents = 16;  // of one look
 const int kEpoll = epoll_create1(EPOLL_CLOEXEC);
 
 }  // namespace
@@ -66,9 +66,9 @@ class LineThread {
   public:
     void run() {
         wait_at_gate();
-        epoll_event events[kMostEvents];
+        epoll_event events[kMaxEvents];
         for (;;) {
-            const int count = epoll_wait(kEpoll, events, kMostEvents, timeout_ms());
+            const int count = epoll_wait(kEpoll, events, kMaxEvents, timeout_ms());
             for (int i = 0; i < count; ++i) {
                 if (events[i].data.ptr == nullptr) return;  // the event that stops it
                 take(*static_cast<Line*>(events[i].data.ptr), events[i].events);

@@ -43,14 +43,14 @@ uint32_t copy_newest(const Topic& topic, uint8_t* to, size_t bytes) {
 namespace {
 
 constexpr uint64_t kPause_us = 1000;  // of the machine's time: who asks lives in that
-constexpr unsigned kMostClients = 8;
-constexpr int kMostWaiting = 16;  // to be accepted
+constexpr unsigned kMaxClients = 8;
+constexpr int kMaxWaiting = 16;  // to be accepted
 constexpr TickSource kNanosecondsOfCpu{1'000'000'000, 2, 1};
 
 void put_sample(Writer& out, unsigned index) {
     const Topic& topic = *program.topics[index];
-    const auto bytes = std::min(topic.sample_bytes, kMostSampleBytes);
-    std::array<uint8_t, kMostSampleBytes> sample;
+    const auto bytes = std::min(topic.sample_bytes, kMaxSampleBytes);
+    std::array<uint8_t, kMaxSampleBytes> sample;
     const uint32_t number = copy_newest(topic, sample.data(), bytes);
     out.put(static_cast<uint16_t>(index));
     out.put(number);
@@ -154,7 +154,7 @@ void accept_client(uint64_t now_us) {
     if (descriptor < 0) return;
     auto client = std::make_unique<Client>(descriptor, now_us);
     if (!wait_for(EPOLL_CTL_ADD, descriptor, EPOLLIN)) return;
-    if (clients.size() == kMostClients) {
+    if (clients.size() == kMaxClients) {
         clients.erase(std::min_element(
             clients.begin(), clients.end(),
             [](const auto& a, const auto& b) { return a->served_us() < b->served_us(); }));
@@ -228,7 +228,7 @@ bool make_socket() {
     if (bind(listener, plain_address(), sizeof address) != 0) {
         return refuse(errno == EADDRINUSE ? "it is another one's" : std::strerror(errno));
     }
-    if (stat(address.sun_path, &bound) != 0 || listen(listener, kMostWaiting) != 0) {
+    if (stat(address.sun_path, &bound) != 0 || listen(listener, kMaxWaiting) != 0) {
         return refuse(std::strerror(errno));
     }
     return true;
@@ -242,7 +242,7 @@ bool offer_link(const char* path) {
     }
     address.sun_family = AF_UNIX;
     std::strcpy(address.sun_path, path);
-    clients.reserve(kMostClients);
+    clients.reserve(kMaxClients);
     return make_socket() &&
            (wait_for(EPOLL_CTL_ADD, listener, EPOLLIN) || refuse(std::strerror(errno)));
 }

@@ -29,7 +29,7 @@ CHECKED = (
 )
 # The word or phrase -> what to write instead.
 BANNED = {
-    r"(?<!\")\banew\b": "again",  # in quotes: a name in generated code
+    r"\banew\b": "again",
     r"\bwhoever\b": "name the subject",
     r"\bsomebody\b": "name the subject",
     r"\bnobody\b[^.;]*\bbut\b": "only ...",

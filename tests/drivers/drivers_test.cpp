@@ -25,7 +25,7 @@ using testing::Probe;
 
 TEST(ImuSim, publishes_the_sample_of_its_device) {
     ImuSim::Device device{
-        .timestamp_sample = 900, .gyro_B = {1.0f, 2.0f, 3.0f}, .accel_B = {4.0f, 5.0f, 6.0f}};
+        .timestamp_sample = 900, .gyro_B = {1.0F, 2.0F, 3.0F}, .accel_B = {4.0F, 5.0F, 6.0F}};
     ImuSim driver(device);
     ImuPorts ports{.now = 1000};
     ports.fired.data_ready = true;
@@ -51,7 +51,7 @@ TEST(ImuSim, publishes_nothing_without_its_line) {
 
 TEST(MocapSim, publishes_heading_as_a_level_attitude) {
     MocapSim::Device device{
-        .timestamp_sample = 5000, .position_N = {1.0f, -2.0f, 3.0f}, .yaw = -2.0f};
+        .timestamp_sample = 5000, .position_N = {1.0F, -2.0F, 3.0F}, .yaw = -2.0F};
     MocapSim driver(device);
     MocapPorts ports{.now = 10000};
     ports.fired.received = true;
@@ -60,10 +60,10 @@ TEST(MocapSim, publishes_heading_as_a_level_attitude) {
     EXPECT_EQ(odometry.newest().timestamp_sample, 5000U);
     EXPECT_EQ(odometry.newest().position, device.position_N);
     // cos(-1), sin(-1) from a table.
-    EXPECT_NEAR(odometry.newest().q[0], 0.540302f, 1e-6f);
-    EXPECT_EQ(odometry.newest().q[1], 0.0f);
-    EXPECT_EQ(odometry.newest().q[2], 0.0f);
-    EXPECT_NEAR(odometry.newest().q[3], -0.841471f, 1e-6f);
+    EXPECT_NEAR(odometry.newest().q[0], 0.540302F, 1e-6F);
+    EXPECT_EQ(odometry.newest().q[1], 0.0F);
+    EXPECT_EQ(odometry.newest().q[2], 0.0F);
+    EXPECT_NEAR(odometry.newest().q[3], -0.841471F, 1e-6F);
 }
 
 TEST(MocapSim, publishes_nothing_without_its_line) {
@@ -76,7 +76,7 @@ TEST(MocapSim, publishes_nothing_without_its_line) {
 }
 
 TEST(MagSim, publishes_the_sample_of_its_device) {
-    MagSim::Device device{.timestamp_sample = 900, .field_B_gauss = {0.2f, -0.1f, 0.4f}};
+    MagSim::Device device{.timestamp_sample = 900, .field_B_gauss = {0.2F, -0.1F, 0.4F}};
     MagSim driver(device);
     MagPorts ports{.now = 1000};
     Probe mag(ports.mag, ports.now);
@@ -90,14 +90,14 @@ TEST(MagSim, publishes_the_sample_of_its_device) {
 
 TEST(BaroSim, publishes_each_sample_once) {
     BaroSim::Device device{
-        .timestamp_sample = 900, .samples = 1, .pressure = 95600.0f, .temperature_degc = 27.0f};
+        .timestamp_sample = 900, .samples = 1, .pressure = 95600.0F, .temperature_degc = 27.0F};
     BaroSim driver(device);
     BaroPorts ports{.now = 1000};
     Probe pressure(ports.pressure, ports.now);
     driver.step(ports);
     EXPECT_EQ(pressure.newest().timestamp_sample, 900U);
-    EXPECT_EQ(pressure.newest().pressure, 95600.0f);
-    EXPECT_EQ(pressure.newest().temperature, 27.0f);
+    EXPECT_EQ(pressure.newest().pressure, 95600.0F);
+    EXPECT_EQ(pressure.newest().temperature, 27.0F);
     driver.step(ports);
     EXPECT_EQ(pressure.count(), 1U);
     device.samples = 2;
@@ -111,10 +111,10 @@ TEST(GnssSim, publishes_the_fix_with_its_own_time) {
                            .longitude_deg = 8.5,
                            .altitude_msl_m = 488.0,
                            .altitude_ellipsoid_m = 535.6,
-                           .velocity_N = {1.0f, 2.0f, 3.0f},
-                           .horizontal_error = 1.7f,
-                           .vertical_error = 2.4f,
-                           .speed_error = 0.3f,
+                           .velocity_N = {1.0F, 2.0F, 3.0F},
+                           .horizontal_error = 1.7F,
+                           .vertical_error = 2.4F,
+                           .speed_error = 0.3F,
                            .satellites = 4};
     GnssSim driver(device);
     GnssPorts ports{.now = 310000};
@@ -129,10 +129,10 @@ TEST(GnssSim, publishes_the_fix_with_its_own_time) {
     EXPECT_EQ(position.newest().longitude_deg, 8.5);
     EXPECT_EQ(position.newest().altitude_msl_m, 488.0);
     EXPECT_EQ(position.newest().altitude_ellipsoid_m, 535.6);
-    EXPECT_EQ(position.newest().vel_d_m_s, 3.0f);
-    EXPECT_EQ(position.newest().eph, 1.7f);
-    EXPECT_EQ(position.newest().epv, 2.4f);
-    EXPECT_EQ(position.newest().s_variance_m_s, 0.3f);
+    EXPECT_EQ(position.newest().vel_d_m_s, 3.0F);
+    EXPECT_EQ(position.newest().eph, 1.7F);
+    EXPECT_EQ(position.newest().epv, 2.4F);
+    EXPECT_EQ(position.newest().s_variance_m_s, 0.3F);
     EXPECT_EQ(position.newest().fix_type, SensorGps::FixType::kFix3d);
     EXPECT_TRUE(position.newest().vel_ned_valid);
     EXPECT_EQ(position.newest().satellites_used, 4);
@@ -149,13 +149,13 @@ TEST(GnssSim, has_no_fix_with_three_satellites) {
     EXPECT_FALSE(position.newest().vel_ned_valid);
 }
 
-BatteryStatus battery_status(float remaining, float voltage_v = 11.0f) {
+BatteryStatus battery_status(float remaining, float voltage_v = 11.0F) {
     BatterySim::Device device{.voltage_v = voltage_v,
-                              .current_a = 14.0f,
-                              .discharged_mah = 100.0f,
+                              .current_a = 14.0F,
+                              .discharged_mah = 100.0F,
                               .remaining = remaining};
     BatterySim driver(device);
-    const BatteryParams params{.timestamp = 0, .low = 0.15f, .critical = 0.07f, .emergency = 0.05f};
+    const BatteryParams params{.timestamp = 0, .low = 0.15F, .critical = 0.07F, .emergency = 0.05F};
     BatteryPorts ports{.now = 1000, .params = Input(params)};
     Probe status(ports.status, ports.now);
     driver.step(ports);
@@ -163,30 +163,30 @@ BatteryStatus battery_status(float remaining, float voltage_v = 11.0f) {
 }
 
 TEST(BatterySim, publishes_what_its_device_says) {
-    const BatteryStatus status = battery_status(0.8f);
+    const BatteryStatus status = battery_status(0.8F);
     EXPECT_TRUE(status.connected);
-    EXPECT_EQ(status.voltage_v, 11.0f);
-    EXPECT_EQ(status.current_a, 14.0f);
-    EXPECT_EQ(status.discharged_mah, 100.0f);
-    EXPECT_EQ(status.remaining, 0.8f);
+    EXPECT_EQ(status.voltage_v, 11.0F);
+    EXPECT_EQ(status.current_a, 14.0F);
+    EXPECT_EQ(status.discharged_mah, 100.0F);
+    EXPECT_EQ(status.remaining, 0.8F);
 }
 
 TEST(BatterySim, warns_below_each_threshold) {
     using Warning = BatteryStatus::Warning;
-    EXPECT_EQ(battery_status(0.15f).warning, Warning::kNone);
-    EXPECT_EQ(battery_status(0.14f).warning, Warning::kLow);
-    EXPECT_EQ(battery_status(0.06f).warning, Warning::kCritical);
-    EXPECT_EQ(battery_status(0.04f).warning, Warning::kEmergency);
-    EXPECT_FALSE(battery_status(0.04f, 0.0f).connected);
-    EXPECT_EQ(battery_status(0.04f, 0.0f).warning, Warning::kNone);
+    EXPECT_EQ(battery_status(0.15F).warning, Warning::kNone);
+    EXPECT_EQ(battery_status(0.14F).warning, Warning::kLow);
+    EXPECT_EQ(battery_status(0.06F).warning, Warning::kCritical);
+    EXPECT_EQ(battery_status(0.04F).warning, Warning::kEmergency);
+    EXPECT_FALSE(battery_status(0.04F, 0.0F).connected);
+    EXPECT_EQ(battery_status(0.04F, 0.0F).warning, Warning::kNone);
 }
 
 TEST(RadioSim, publishes_switches_and_sticks_of_a_frame) {
     RadioSim::Device device{.timestamp_sample = 900,
-                            .roll = 0.1f,
-                            .pitch = 0.2f,
-                            .yaw = 0.3f,
-                            .throttle = 0.4f,
+                            .roll = 0.1F,
+                            .pitch = 0.2F,
+                            .yaw = 0.3F,
+                            .throttle = 0.4F,
                             .mode_slot = 5,
                             .is_heard = true,
                             .arm = true};
@@ -198,10 +198,10 @@ TEST(RadioSim, publishes_switches_and_sticks_of_a_frame) {
     driver.step(ports);
     EXPECT_EQ(sticks.newest().timestamp_sample, 900U);
     EXPECT_TRUE(sticks.newest().valid);
-    EXPECT_EQ(sticks.newest().roll, 0.1f);
-    EXPECT_EQ(sticks.newest().pitch, 0.2f);
-    EXPECT_EQ(sticks.newest().yaw, 0.3f);
-    EXPECT_EQ(sticks.newest().throttle, 0.4f);
+    EXPECT_EQ(sticks.newest().roll, 0.1F);
+    EXPECT_EQ(sticks.newest().pitch, 0.2F);
+    EXPECT_EQ(sticks.newest().yaw, 0.3F);
+    EXPECT_EQ(sticks.newest().throttle, 0.4F);
     EXPECT_EQ(switches.newest().mode_slot, 5);
     EXPECT_EQ(switches.newest().arm_switch, ManualControlSwitches::ArmSwitch::kOn);
     EXPECT_EQ(switches.newest().return_switch, ManualControlSwitches::ReturnSwitch::kOff);
@@ -228,12 +228,12 @@ TEST(MotorSim, hands_each_command_over) {
     MotorSim driver(device);
     ActuatorMotors command{};
     command.control.fill(std::numeric_limits<float>::quiet_NaN());
-    command.control[2] = 0.25f;
+    command.control[2] = 0.25F;
     MotorPorts ports{.now = 1000, .command = Input(command)};
     writes = 0;
     driver.step(ports);
     EXPECT_EQ(writes, 1);
-    EXPECT_EQ(written[2], 0.25f);
+    EXPECT_EQ(written[2], 0.25F);
     EXPECT_NE(written[3], written[3]);  // not a number
 }
 

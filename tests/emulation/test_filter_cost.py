@@ -24,6 +24,10 @@ OPERATIONS = {
     "fuse one that sees two": 2500,
     "fuse a heading": 2500,
     "the output from the horizon to now": 1000,
+    # In double precision, by libgcc.
+    "a local frame from its origin": 10000,
+    "latitude and longitude to the local frame": 10000,
+    "the local frame to latitude and longitude": 30000,
 }
 
 

@@ -11,6 +11,7 @@ from stator.build.cmake import build
 from stator.build.image_checks import faults_of
 from stator.build.px4_file import write_px4
 from stator.diagnostics import BuildFailed
+from stator.pipeline import make_buildable_plan
 from stator.plan.hash import graph_hash
 
 if TYPE_CHECKING:
@@ -24,9 +25,9 @@ TOOLS = "arm-none-eabi-"
 def build_image(graph: Path, board: str | None, variant: Mapping[str, str] | None = None) -> Path:
     """Builds the image for bare metal. Raises `BuildFailed` if it breaks a rule of images."""
     image = build(graph, board, variant, executor="cortex_m")
-    faults = faults_of(image)
+    faults = faults_of(image, make_buildable_plan(str(graph), board).graph.nodes)
     if faults:
-        raise BuildFailed("\n".join(f"error: {fault}" for fault in faults))
+        raise BuildFailed("\n".join(faults))
     return image
 
 

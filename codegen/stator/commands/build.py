@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from stator.arguments import path
 from stator.build.cmake import SLEEP
 from stator.build.image import build_image, image_files, sizes_of, total_of
-from stator.build.image_checks import sections_of
+from stator.build.image_checks import double_lines, sections_of
 from stator.diagnostics import shown_path
 from stator.pipeline import make_buildable_plan
 from stator.plan.text import show_notes, unbound_devices
@@ -31,6 +31,10 @@ def main(arguments: argparse.Namespace) -> int:
     sizes = sizes_of(image)
     total = total_of(image)
     sections = sections_of(image)
+    doubles = {
+        name: {"lines": lines, "why": plan.graph.nodes[name].interface.double_precision}
+        for name, lines in double_lines(image).items()
+    }
     if arguments.json:
         facts: dict[str, object] = {key: str(file) for key, file in files.items()}
         facts |= {"flash_bytes": total[0], "ram_bytes": total[1]}
@@ -39,6 +43,7 @@ def main(arguments: argparse.Namespace) -> int:
             for name, size in sizes.items()
         }
         facts["sections"] = sections
+        facts["double_precision"] = doubles
         facts["unbound_devices"] = unbound_devices(plan)
         print(json.dumps(facts, indent=2))
         return 0
@@ -49,6 +54,8 @@ def main(arguments: argparse.Namespace) -> int:
     for topic, operations in sections.items():
         longest = ", ".join(f"{name} {count}" for name, count in operations.items())
         print(f"critical sections of {topic} (instructions): {longest}")
+    for name, fact in doubles.items():
+        print(f"double precision in software: node {name}, {fact['lines']} lines: {fact['why']}")
     print("\n".join(f"{shown_path(file)}" for file in files.values()))
     show_notes(plan)
     return 0

@@ -6,6 +6,7 @@ not, so that an inserted comment changes heads only.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from stator.plan.hash import graph_hash
 from stator.plan.text import plan_text
 
 if TYPE_CHECKING:
+    from stator.emit.tasks import TaskRow
     from stator.plan.plan import Plan
 
 MANIFEST = "generated_files.txt"
@@ -33,25 +35,23 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
     files = _parts(plan)
     record = record and recording.is_recordable(plan)
     graph = _start(plan.graph.file)
-    tasks = [emit_tasks.task(plan, task) for task in plan.tasks]
-    parameters = params.start_values(plan)
     recorded = recording.task_rows(plan) if record else {}
-    for row in (*tasks, *parameters):
-        row["recorded"] = recorded.get(row["name"] if "name" in row else row["topic"])
+    tasks = [emit_tasks.task(plan, task, recorded.get(task.node.name)) for task in plan.tasks]
+    parameters = params.start_values(plan)
     topics = [rows.topic(plan, topic) for topic in plan.topics.values()]
     files["topics.hpp"] = _render("topics.hpp.j2", graph, topics=topics)
     files["topics.cpp"] = _render("topics.cpp.j2", graph, topics=topics)
     files["tasks.hpp"] = _render("tasks.hpp.j2", graph, tasks=tasks)
     for task in tasks:
-        files[f"tasks/{task['name']}.cpp"] = _render("task.cpp.j2", task["mark"], task=task)
-    files["parameters.cpp"] = _render("parameters.cpp.j2", graph, nodes=parameters)
+        files[f"tasks/{task.name}.cpp"] = _render("task.cpp.j2", task.mark, task=task)
+    files["parameters.cpp"] = _render(
+        "parameters.cpp.j2", graph, nodes=parameters, recorded=recorded
+    )
     table = params.table(plan)
     if table is not None:
         files["parameter_table.cpp"] = _render("parameter_table.cpp.j2", graph, table=table)
     if plan.graph.modes is not None:
-        files["modes.cpp"] = _render(
-            "modes.cpp.j2", graph, modes=rows.modes(plan) | {"recorded": record}
-        )
+        files["modes.cpp"] = _render("modes.cpp.j2", graph, modes=rows.modes(plan), recorded=record)
     log = rows.log(plan)
     if log is not None:
         files["log_table.cpp"] = _render(
@@ -76,7 +76,7 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
             f"executor_{plan.board.executor}.cpp.j2", graph, tasks=tasks, program=rows.program(plan)
         )
     files["plan.txt"] = plan_text(plan)
-    files["graph.cmake"] = _render("graph.cmake.j2", graph, **rows.build(plan, files))
+    files["graph.cmake"] = _render("graph.cmake.j2", graph, build=rows.build(plan, files))
     return files
 
 
@@ -85,8 +85,8 @@ def emit_replay(plan: Plan) -> dict[str, str]:
     files = _parts(plan)
     graph = _start(plan.graph.file)
     recorded = recording.task_rows(plan)
-    tasks = [emit_tasks.task(plan, task) for task in plan.tasks]
-    tasks = [t | {"recorded": recorded[t["name"]]} for t in tasks if t["is_replayed"]]
+    tasks = [emit_tasks.task(plan, task, recorded[task.node.name]) for task in plan.tasks]
+    tasks = [task for task in tasks if task.is_replayed]
     topics = [
         {"name": topic.name, "floats": rows.log_floats(topic.message)}
         for topic in plan.topics.values()
@@ -94,15 +94,15 @@ def emit_replay(plan: Plan) -> dict[str, str]:
     parameters = params.start_values(plan)
     table = params.table(plan)
     if table is not None:
-        table = table | {"topics": []}  # those of a recording are bytes
+        table = replace(table, topics=[])  # a recording holds samples as bytes
         files["parameter_table.cpp"] = _render("parameter_table.cpp.j2", graph, table=table)
     files["replay_tasks.hpp"] = _render("replay_tasks.hpp.j2", graph, tasks=tasks)
     for task in tasks:
-        files[f"tasks/{task['name']}.cpp"] = _render("replay_task.cpp.j2", task["mark"], task=task)
+        files[f"tasks/{task.name}.cpp"] = _render("replay_task.cpp.j2", task.mark, task=task)
     files["replay.cpp"] = _render(
         "replay.cpp.j2", graph, tasks=tasks, topics=topics, parameters=parameters
     )
-    files["graph.cmake"] = _render("graph.cmake.j2", graph, **rows.replay_build(plan, files))
+    files["graph.cmake"] = _render("graph.cmake.j2", graph, build=rows.replay_build(plan, files))
     return files
 
 
@@ -124,12 +124,12 @@ def _parts(plan: Plan) -> dict[str, str]:
             files["failsafe_table.hpp"] = _render(
                 "failsafe_table.hpp.j2",
                 _start(interface.failsafe.file),
-                **rows.failsafe(interface.failsafe),
+                failsafe=rows.failsafe(interface.failsafe),
             )
     return files
 
 
-def _cortex_m(plan: Plan, tasks: list[rows.Row]) -> dict[str, str]:
+def _cortex_m(plan: Plan, tasks: list[TaskRow]) -> dict[str, str]:
     """What bare metal needs besides: the vector table, lines as bits, the linker script."""
     graph, board = _start(plan.graph.file), _start(plan.board.file)
     program = cortex_m.program(plan)
@@ -140,13 +140,18 @@ def _cortex_m(plan: Plan, tasks: list[rows.Row]) -> dict[str, str]:
     }
 
 
-def _pthread(plan: Plan, tasks: list[rows.Row], topics: list[rows.Row]) -> dict[str, str]:
+def _pthread(plan: Plan, tasks: list[TaskRow], topics: list[rows.TopicRow]) -> dict[str, str]:
     """Threads share topics in another way, with other slots."""
     graph = _start(plan.graph.file)
     program = pthread.program(plan)
-    for row in topics:
-        topic = plan.topics[row["name"]]
-        row |= {"depth": pthread.depth(plan, topic), "slots": pthread.slots(plan, topic)}
+    topics = [
+        replace(
+            row,
+            depth=pthread.depth(plan, plan.topics[row.name]),
+            slots=pthread.slots(plan, plan.topics[row.name]),
+        )
+        for row in topics
+    ]
     return {
         "topics.hpp": _render("topics_pthread.hpp.j2", graph, topics=topics),
         "topics.cpp": _render("topics_pthread.cpp.j2", graph, topics=topics),
@@ -155,8 +160,8 @@ def _pthread(plan: Plan, tasks: list[rows.Row], topics: list[rows.Row]) -> dict[
 
 
 def write(files: dict[str, str], folder: Path) -> int:
-    """Writes what differs, removes what an earlier run wrote and this one did not. Returns how many
-    files changed. Raises `UserError` where it cannot write, or would overwrite what is not its own.
+    """Writes changed files, and removes files that only an earlier run wrote. Returns the number of
+    changed files. Raises `UserError` if it cannot write, or would overwrite other files.
     """
     try:
         return _write(files, folder)
@@ -175,7 +180,7 @@ def _write(files: dict[str, str], folder: Path) -> int:
             "hint: use a folder that is new, empty, or an earlier output"
         )
     old = manifest.read_bytes().decode(errors="replace").split("\n") if manifest.is_file() else []
-    # What a run leaves that could not write all is an earlier output, too.
+    # The list comes first: the files of an interrupted run count as earlier output, too.
     _write_if_changed(manifest, "\n".join(dict.fromkeys([*files, *filter(None, old)])) + "\n")
     changed = 0
     for name in old:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stator.emit.rows import literal
@@ -9,52 +10,74 @@ from stator.emit.rows import literal
 if TYPE_CHECKING:
     from fractions import Fraction
 
-    from stator.emit.rows import Row
     from stator.graph.model import Message, Node, Param
     from stator.plan.plan import Plan
 
 KINDS = {"float": "real", "int32": "whole", "bool": "flag"}
-# Where an interface gives no range: what its type holds as the checker has it.
+# The range of a parameter without `range`: the values that the checker accepts for its type.
 WITHOUT_RANGE = {"float": "1e+37F", "int32": "2147483647"}
 
 
-def start_values(plan: Plan) -> list[Row]:
-    result = []
-    for node in plan.graph.nodes.values():
-        message = node.interface.params_message
-        if message is not None:
-            result.append(
-                {
-                    "topic": f"{node.name}_params",
-                    "message": message.name,
-                    "values": [
-                        {"name": key, "value": literal(value)} for key, value in node.params.items()
-                    ],
-                }
-            )
-    return result
+@dataclass(frozen=True)
+class NamedValue:
+    name: str
+    value: str
 
 
-def published(plan: Plan, node: Node) -> list[Row]:
+@dataclass(frozen=True)
+class StartValues:
+    """The parameters of a node, before anything runs."""
+
+    topic: str
+    message: str
+    values: list[NamedValue]
+
+
+@dataclass(frozen=True)
+class PublishedRow:
+    topic: str
+    keep: str
+
+
+@dataclass(frozen=True)
+class ParameterTable:
+    headers: list[str]
+    rows: list[str]
+    topics: list[PublishedRow]
+
+
+def start_values(plan: Plan) -> list[StartValues]:
+    return [
+        StartValues(
+            topic=f"{node.name}_params",
+            message=node.interface.params_message.name,
+            values=[NamedValue(key, literal(value)) for key, value in node.params.items()],
+        )
+        for node in plan.graph.nodes.values()
+        if node.interface.params_message is not None
+    ]
+
+
+def published(plan: Plan, node: Node) -> list[PublishedRow]:
     """The topics of parameters that this node publishes, in the order of their nodes."""
     return [
-        {"topic": topic.name, "keep": "true" if topic.kept_by else "false"}
+        PublishedRow(topic.name, "true" if topic.kept_by else "false")
         for topic in plan.topics.values()
         if topic.owner and node.name in topic.publishers
     ]
 
 
-def table(plan: Plan) -> Row | None:
+def table(plan: Plan) -> ParameterTable | None:
     """None: no node of the graph publishes parameters."""
     publisher = next((n for n in plan.graph.nodes.values() if n.interface.publishes_params), None)
     if publisher is None:
         return None
     nodes = [node for node in plan.graph.nodes.values() if node.params]
-    return {
-        "headers": sorted({_message(node).header for node in nodes}),
-        "rows": [_row(i, node, key) for i, node in enumerate(nodes) for key in node.params],
-        "topics": published(plan, publisher),
-    }
+    return ParameterTable(
+        headers=sorted({_message(node).header for node in nodes}),
+        rows=[_row(i, node, key) for i, node in enumerate(nodes) for key in node.params],
+        topics=published(plan, publisher),
+    )
 
 
 def _message(node: Node) -> Message:

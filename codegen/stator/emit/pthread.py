@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stator.emit.rows import watched
@@ -10,37 +11,50 @@ from stator.language.keys import DEPTHS
 from stator.plan.hash import graph_hash
 
 if TYPE_CHECKING:
-    from stator.emit.rows import Row
+    from stator.emit.rows import WatchedRow
     from stator.plan.plan import Plan
     from stator.plan.topics import TopicPlan
 
 
-def program(plan: Plan) -> Row:
+@dataclass(frozen=True)
+class LevelRow:
+    priority: int
+    first_task: int
+    task_count: int
+    first_timer: int
+    timer_count: int
+
+
+@dataclass(frozen=True)
+class ThreadProgram:
+    levels: list[LevelRow]
+    task_count: int
+    timer_count: int
+    watched: list[WatchedRow]
+    topics: list[str]
+    board: str
+    graph: str
+    graph_hash: str
+
+
+def program(plan: Plan) -> ThreadProgram:
     first_timer = 0
     levels = []
     for level in plan.levels:
         tasks = [task for task in plan.tasks if task.level == level]
         timers = sum(t.kind == "every" for task in tasks for t in task.node.triggers)
-        levels.append(
-            {
-                "priority": level,
-                "first_task": tasks[0].level_begin,
-                "task_count": len(tasks),
-                "first_timer": first_timer,
-                "timer_count": timers,
-            }
-        )
+        levels.append(LevelRow(level, tasks[0].level_begin, len(tasks), first_timer, timers))
         first_timer += timers
-    return {
-        "levels": levels,
-        "task_count": len(plan.tasks),
-        "timer_count": first_timer,
-        "watched": watched(plan),
-        "topics": list(plan.topics),
-        "board": plan.board.name,
-        "graph": plan.graph.name,
-        "graph_hash": graph_hash(plan),
-    }
+    return ThreadProgram(
+        levels=levels,
+        task_count=len(plan.tasks),
+        timer_count=first_timer,
+        watched=watched(plan),
+        topics=list(plan.topics),
+        board=plan.board.name,
+        graph=plan.graph.name,
+        graph_hash=graph_hash(plan),
+    )
 
 
 def depth(plan: Plan, topic: TopicPlan) -> int:

@@ -13,20 +13,19 @@ from stator.names import upper_camel
 from stator.plan.rates import Rates
 
 if TYPE_CHECKING:
-    from stator.emit.rows import Row
     from stator.graph.model import Message, Node
     from stator.plan.plan import Plan, Task
 
-START_LEVEL = 0  # of what is published before anything runs
-# A stream holds what its level records in this time, or in so many periods of the logger.
+START_LEVEL = 0  # of publications before the first task runs
+# A stream holds the records of its level for this time, or for this number of logger periods.
 HELD_US = 50_000
 HELD_PERIODS = 4
 MIN_STREAM = 256
-# Bytes of parts of a record, at most as a rule.
-HEAD_BYTES = 8  # task, end, what fired, time since the one before
+# Bytes of the parts of a record; rare records are larger.
+HEAD_BYTES = 8  # task, end, what fired, time since the previous record
 TAKE_BYTES = 2  # tag and number
 CRC_BYTES = 4
-LOGGED_BYTES = 5  # of a logged sample, besides itself: size, type, topic
+LOGGED_BYTES = 5  # of a logged sample, without its data: size, type, topic
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ class Recorded:
     level: int
     inputs: tuple[Port, ...]
     outputs: tuple[Port, ...]
-    params: tuple[Port, ...]  # outputs, too: parameters that it publishes
+    params: tuple[Port, ...]  # parameters that it publishes; also outputs
     timers: int
     lines: tuple[str, ...]
 
@@ -82,7 +81,7 @@ def _of_task(plan: Plan, task: Task) -> Recorded:
         Port(key, o.topic, how, 0, plan.topics[o.topic].message) for key, o in node.outputs.items()
     ]
     params = [
-        Port(row["topic"], row["topic"], how, 0, plan.topics[row["topic"]].message)
+        Port(row.topic, row.topic, how, 0, plan.topics[row.topic].message)
         for row in emit_parameters.published(plan, node)
     ]
     numbered = [
@@ -104,7 +103,7 @@ def _of_task(plan: Plan, task: Task) -> Recorded:
     )
 
 
-# --- what a recording says of itself ---
+# --- definitions in a recording ---
 
 
 def definitions(plan: Plan, file: str) -> list[str]:
@@ -142,12 +141,49 @@ def task_line(task: Recorded) -> str:
 # --- rows ---
 
 
-def task_rows(plan: Plan) -> dict[str, Row]:
-    """What the wrapper of each task needs to record it."""
+@dataclass(frozen=True)
+class PortRow:
+    name: str
+    topic: str
+    kind: str
+    tag: int
+    how: str
+    floats: list[str]
+    age: str = ""  # the argument of a port that does not take samples of any age
+
+
+@dataclass(frozen=True)
+class TaskRecording:
+    """What the wrapper of a task needs to record it."""
+
+    index: int
+    has_modes: bool
+    stream: str
+    fired: str
+    inputs: list[PortRow]
+    outputs: list[PortRow]
+    params: list[PortRow]
+    starts: list[str]
+
+
+@dataclass(frozen=True)
+class StreamRow:
+    name: str
+    bytes: int
+
+
+@dataclass(frozen=True)
+class RecordingRow:
+    streams: list[StreamRow]
+    levels: list[str]
+    definitions: list[str]
+
+
+def task_rows(plan: Plan) -> dict[str, TaskRecording]:
     return {task.name: _task_row(plan, i, task) for i, task in enumerate(recorded_tasks(plan))}
 
 
-def _task_row(plan: Plan, index: int, task: Recorded) -> Row:
+def _task_row(plan: Plan, index: int, task: Recorded) -> TaskRecording:
     modes = plan.graph.modes
     is_gated = modes is not None and any(task.name in names for names in modes.sets.values())
     fired = ["uint64_t{is_anew}"] if is_gated else []
@@ -156,49 +192,45 @@ def _task_row(plan: Plan, index: int, task: Recorded) -> Row:
         f"(uint64_t{{ports.fired.{line}}} << {1 + task.timers + i})"
         for i, line in enumerate(task.lines)
     ]
-    return {
-        "index": index,
-        "has_modes": modes is not None,
-        "stream": f"streams::level_{task.level}",
-        "fired": " | ".join(fired) or "0",
-        "inputs": [port_row(port) | {"age": _age(plan, task, port)} for port in task.inputs],
-        "outputs": [port_row(port) for port in task.outputs],
-        "params": [port_row(port) for port in task.params],
-        "starts": [p.name for p in task.inputs if p.kind in ("trigger", "queue")],
-    }
+    return TaskRecording(
+        index=index,
+        has_modes=modes is not None,
+        stream=f"streams::level_{task.level}",
+        fired=" | ".join(fired) or "0",
+        inputs=[port_row(port, _age(plan, task, port)) for port in task.inputs],
+        outputs=[port_row(port) for port in task.outputs],
+        params=[port_row(port) for port in task.params],
+        starts=[p.name for p in task.inputs if p.kind in ("trigger", "queue")],
+    )
 
 
 def _age(plan: Plan, task: Recorded, port: Port) -> str:
-    """The argument of a port that does not take samples of any age."""
     source = plan.graph.nodes[task.name].inputs.get(port.name)
     return f", {source.max_age_us}" if source is not None and source.max_age_us else ""
 
 
-def port_row(port: Port) -> Row:
-    return {
-        "name": port.name,
-        "topic": port.topic,
-        "kind": port.kind,
-        "tag": port.tag,
-        "how": f"RecordedOutput::How::k{upper_camel(port.kind)}",
-        "floats": emit_rows.log_floats(port.message),
-    }
+def port_row(port: Port, age: str = "") -> PortRow:
+    return PortRow(
+        name=port.name,
+        topic=port.topic,
+        kind=port.kind,
+        tag=port.tag,
+        how=f"RecordedOutput::How::k{upper_camel(port.kind)}",
+        floats=emit_rows.log_floats(port.message),
+        age=age,
+    )
 
 
-def recording_row(plan: Plan, file: str) -> Row:
+def recording_row(plan: Plan, file: str) -> RecordingRow:
     sizes = stream_bytes(plan)
-    return {
-        "streams": [
-            {"name": f"level_{level}", "bytes": size} for level, size in sorted(sizes.items())
-        ],
-        "levels": [
-            f"level_{level}" if level in sizes else "none" for level in range(max(sizes) + 1)
-        ],
-        "definitions": definitions(plan, file),
-    }
+    return RecordingRow(
+        streams=[StreamRow(f"level_{level}", size) for level, size in sorted(sizes.items())],
+        levels=[f"level_{level}" if level in sizes else "none" for level in range(max(sizes) + 1)],
+        definitions=definitions(plan, file),
+    )
 
 
-# --- how much it takes ---
+# --- the size of a recording ---
 
 
 def stream_bytes(plan: Plan) -> dict[int, int]:
@@ -253,7 +285,7 @@ def _record_bytes(plan: Plan, task: Recorded, rates: Rates) -> Fraction:
         content = {"whole": port.message.bytes, "crc": CRC_BYTES, "stamp": 0}[port.kind]
         burst = 1 if node is None else node.outputs[port.name].port.burst
         total += burst * (TAKE_BYTES + content)
-    return total + (TAKE_BYTES + CRC_BYTES if task.params else 0)  # one node's at a time
+    return total + (TAKE_BYTES + CRC_BYTES if task.params else 0)  # of one node at a time
 
 
 def _power_of_two(size: Fraction) -> int:

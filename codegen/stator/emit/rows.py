@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import textwrap
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stator import HOME
 from stator.graph.checks.parts import MODE_TOPIC
@@ -18,13 +19,39 @@ if TYPE_CHECKING:
     from stator.plan.plan import Plan, Task
     from stator.plan.topics import TopicPlan
 
-Row = dict[str, Any]
 WORD_BITS = 64
 VECTOR_WORD_BITS = 32
 COLUMNS = 100
 
 
 # --- messages and ports ---
+
+
+@dataclass(frozen=True)
+class EnumValue:
+    name: str
+    value: int
+
+
+@dataclass(frozen=True)
+class FieldRow:
+    name: str
+    line: str  # of the struct
+    enum: str  # its type, if it has one of its own
+    values: list[EnumValue]
+    offset: int
+
+
+@dataclass(frozen=True)
+class PortsRow:
+    """What a node sees; lines of a struct, but for `headers` and `params`."""
+
+    class_name: str
+    headers: list[str]
+    lines: list[str]
+    inputs: list[str]
+    params: str  # the message of the parameters; empty: none
+    outputs: list[str]
 
 
 def messages(plan: Plan) -> list[Message]:
@@ -47,22 +74,22 @@ def interfaces(plan: Plan) -> list[Interface]:
     return [found[name] for name in sorted(found)]
 
 
-def fields(message: Message, defaults: dict[str, str]) -> list[Row]:
+def fields(message: Message, defaults: dict[str, str]) -> list[FieldRow]:
     """`defaults`: literals of the fields that do not start at zero."""
     offset = 0
     result = []
     for field in message.fields:
         result.append(
-            {
-                "name": field.name,
-                "line": commented(
+            FieldRow(
+                name=field.name,
+                line=commented(
                     f"{_cpp_type(field)} {field.name}{{{defaults.get(field.name, '')}}};",
                     _comment(field),
                 ),
-                "enum": upper_camel(field.name) if field.values else "",
-                "values": [{"name": "k" + upper_camel(k), "value": v} for k, v in field.values],
-                "offset": offset,
-            }
+                enum=upper_camel(field.name) if field.values else "",
+                values=[EnumValue("k" + upper_camel(k), v) for k, v in field.values],
+                offset=offset,
+            )
         )
         offset += field.bytes
     return result
@@ -77,7 +104,7 @@ def defaults(plan: Plan, message: Message) -> dict[str, str]:
 
 
 def _cpp_type(field: Field) -> str:
-    # One number, where its size is one: a compiler clears the whole message for an empty array.
+    # An array of one is written as one number: compilers clear the whole message for an empty list.
     if field.name.startswith("_padding") and field.bytes in (1, 2, 4):
         return f"uint{8 * field.bytes}_t"
     single = upper_camel(field.name) if field.values else TYPES[field.type][0]
@@ -111,26 +138,26 @@ def one_line(text: str) -> str:
     return " ".join(text.split()).replace("\\", "/")
 
 
-def ports(interface: Interface) -> Row:
+def ports(interface: Interface) -> PortsRow:
     used = {p.message.header for p in (*interface.inputs.values(), *interface.outputs.values())}
     params = interface.params_message
-    return {
-        "class": interface.class_name,
-        "headers": sorted(used | ({params.header} if params else set())),
-        "lines": [
+    return PortsRow(
+        class_name=interface.class_name,
+        headers=sorted(used | ({params.header} if params else set())),
+        lines=[
             commented(f"bool {name} = false;", one_line(doc), 8)
             for name, doc in interface.lines.items()
         ],
-        "inputs": [
+        inputs=[
             commented(f"Input<{p.message.name}> {p.name}{{}};", one_line(p.doc))
             for p in interface.inputs.values()
         ],
-        "params": params.name if params else "",
-        "outputs": [
+        params=params.name if params else "",
+        outputs=[
             commented(f"Output<{p.message.name}> {p.name}{{}};", one_line(p.doc))
             for p in interface.outputs.values()
         ],
-    }
+    )
 
 
 # --- pending bits ---
@@ -164,7 +191,27 @@ def _place(plan: Plan, task: Task) -> tuple[int, int]:
 # --- topics ---
 
 
-def topic(plan: Plan, planned: TopicPlan) -> Row:
+@dataclass(frozen=True)
+class ThinnedRow:
+    node: str
+    interval_us: int
+    pend: str
+
+
+@dataclass(frozen=True)
+class TopicRow:
+    name: str
+    message: str
+    header: str
+    depth: int
+    slots: int
+    ceiling: int
+    ring: int  # entries of the ring; 0: depth 1 needs none
+    subscribers: list[str]
+    thinned: list[ThinnedRow]
+
+
+def topic(plan: Plan, planned: TopicPlan) -> TopicRow:
     woken: list[Task] = []
     intervals: dict[str, int] = {}
     for name, _ in planned.readers:
@@ -176,24 +223,58 @@ def topic(plan: Plan, planned: TopicPlan) -> Row:
         else:
             intervals[name] = trigger.min_interval_us
     thinned = [plan.task(name) for name in intervals]
-    return {
-        "name": planned.name,
-        "message": planned.message.name,
-        "header": planned.message.header,
-        "depth": planned.depth,
-        "slots": planned.slots,
-        "ceiling": planned.ceiling,
-        "ring": 2 * planned.depth if planned.depth > 1 else 0,
-        # Threads pend thinned tasks by themselves.
-        "subscribers": pends(plan, woken, [] if plan.board.executor == "pthread" else thinned),
-        "thinned": [
-            {"node": t.node.name, "interval_us": intervals[t.node.name], "pend": pend(plan, t)}
-            for t in thinned
-        ],
-    }
+    return TopicRow(
+        name=planned.name,
+        message=planned.message.name,
+        header=planned.message.header,
+        depth=planned.depth,
+        slots=planned.slots,
+        ceiling=planned.ceiling,
+        ring=2 * planned.depth if planned.depth > 1 else 0,
+        # With threads, thinned tasks are pended elsewhere.
+        subscribers=pends(plan, woken, [] if plan.board.executor == "pthread" else thinned),
+        thinned=[ThinnedRow(t.node.name, intervals[t.node.name], pend(plan, t)) for t in thinned],
+    )
 
 
 # --- modes, log ---
+
+
+@dataclass(frozen=True)
+class ModeSet:
+    name: str
+    runs: str  # of each gated node, whether it runs
+
+
+@dataclass(frozen=True)
+class ModesRow:
+    gated: list[str]
+    sets: list[ModeSet]
+    topic: str
+    initial: int
+
+
+@dataclass(frozen=True)
+class LogTopicRow:
+    name: str
+    format: str
+    interval_us: int
+    bytes: int
+    floats: list[str]
+
+
+@dataclass(frozen=True)
+class LogParameterRow:
+    name: str
+    is_float: str
+    float: str
+    int32: str
+
+
+@dataclass(frozen=True)
+class LogRow:
+    topics: list[LogTopicRow]
+    parameters: list[LogParameterRow]
 
 
 def literal(value: Value) -> str:
@@ -204,7 +285,7 @@ def literal(value: Value) -> str:
     return str(value)
 
 
-def modes(plan: Plan) -> Row:
+def modes(plan: Plan) -> ModesRow:
     graph_modes = plan.graph.modes
     assert graph_modes is not None
     gated = [
@@ -213,36 +294,31 @@ def modes(plan: Plan) -> Row:
         if any(node in names for names in graph_modes.sets.values())
     ]
     sets = [
-        {"name": name, "runs": ", ".join("true" if node in names else "false" for node in gated)}
+        ModeSet(name, ", ".join("true" if node in names else "false" for node in gated))
         for name, names in graph_modes.sets.items()
     ]
-    return {
-        "gated": gated,
-        "sets": sets,
-        "topic": MODE_TOPIC,
-        "initial": list(graph_modes.sets).index(graph_modes.initial),
-    }
+    return ModesRow(gated, sets, MODE_TOPIC, list(graph_modes.sets).index(graph_modes.initial))
 
 
-def log(plan: Plan) -> Row | None:
+def log(plan: Plan) -> LogRow | None:
     if not any(node.interface.reads_log for node in plan.graph.nodes.values()):
         return None
-    logged = [t for t in plan.topics.values() if t.log_us is not None]
-    return {
-        "topics": [
-            {
-                "name": t.name,
-                "format": _log_format(t.message),
-                "interval_us": t.log_us,
-                "bytes": sum(field.bytes for field in _logged_fields(t.message)),
-                "floats": log_floats(t.message),
-            }
-            for t in logged
+    return LogRow(
+        topics=[
+            LogTopicRow(
+                name=t.name,
+                format=_log_format(t.message),
+                interval_us=t.log_us,
+                bytes=sum(field.bytes for field in _logged_fields(t.message)),
+                floats=log_floats(t.message),
+            )
+            for t in plan.topics.values()
+            if t.log_us is not None
         ],
-        "parameters": [
+        parameters=[
             _log_parameter(node, key) for node in plan.graph.nodes.values() for key in node.params
         ],
-    }
+    )
 
 
 def _logged_fields(message: Message) -> tuple[Field, ...]:
@@ -273,31 +349,79 @@ def log_floats(message: Message) -> list[str]:
     return [f"{{{offset}, {count}, {size}}}" for offset, count, size in runs]
 
 
-def _log_parameter(node: Node, key: str) -> Row:
+def _log_parameter(node: Node, key: str) -> LogParameterRow:
     is_float = node.interface.params[key].type == "float"
     value = node.params[key]
-    return {
-        "name": f"{node.name}.{key}",
-        "is_float": "true" if is_float else "false",
-        "float": literal(value) if is_float else "0.0F",
-        "int32": "0" if is_float else str(int(value)),
-    }
+    return LogParameterRow(
+        name=f"{node.name}.{key}",
+        is_float="true" if is_float else "false",
+        float=literal(value) if is_float else "0.0F",
+        int32="0" if is_float else str(int(value)),
+    )
 
 
 # --- the program and its build ---
 
 
-def program(plan: Plan) -> Row:
+@dataclass(frozen=True)
+class WatchedRow:
+    name: str
+    task: int
+    window_us: int
+    gate: str
+
+
+@dataclass(frozen=True)
+class ProgramRow:
+    """Of the virtual executor."""
+
+    words: int  # of pending bits
+    level_begin: list[int]
+    task_count: int
+    watched: list[WatchedRow]
+
+
+@dataclass(frozen=True)
+class ModeAfter:
+    mode: str
+    nexts: list[str]
+
+
+@dataclass(frozen=True)
+class FailsafeRow:
+    events: list[str]
+    rows: list[ModeAfter]
+
+
+@dataclass(frozen=True)
+class CMakeLibrary:
+    name: str
+    folder: str
+
+
+@dataclass(frozen=True)
+class BuildRow:
+    """What CMake must know of a graph."""
+
+    executor: str
+    board: str
+    chip: str
+    sources: list[str]
+    libraries: list[CMakeLibrary]
+    inputs: list[str]
+
+
+def program(plan: Plan) -> ProgramRow:
     begins = []
     for level in range(16):
-        # A level without tasks begins where the next lower one does.
+        # A level without tasks begins at the same index as the next lower one.
         begins.append(sum(1 for task in plan.tasks if task.level > level))
-    return {
-        "words": max(1, -(-len(plan.tasks) // WORD_BITS)),
-        "level_begin": begins,
-        "task_count": len(plan.tasks),
-        "watched": watched(plan),
-    }
+    return ProgramRow(
+        words=max(1, -(-len(plan.tasks) // WORD_BITS)),
+        level_begin=begins,
+        task_count=len(plan.tasks),
+        watched=watched(plan),
+    )
 
 
 def _chip_folder(plan: Plan) -> Path:
@@ -306,18 +430,16 @@ def _chip_folder(plan: Plan) -> Path:
     return plan.board.file.parents[1] / plan.board.chip.name.split("/")[0]
 
 
-def watched(plan: Plan) -> list[Row]:
+def watched(plan: Plan) -> list[WatchedRow]:
     """Tasks that must show life, and how often; unbound drivers never do."""
-    gated = set(modes(plan)["gated"]) if plan.graph.modes is not None else set()
+    gated = set(modes(plan).gated) if plan.graph.modes is not None else set()
     return [
-        {
-            "name": task.node.name,
-            "task": task.index,
-            "window_us": task.window_us,
-            "gate": f"&tasks::{task.node.name}::state.gate"
-            if task.node.name in gated
-            else "nullptr",
-        }
+        WatchedRow(
+            name=task.node.name,
+            task=task.index,
+            window_us=task.window_us,
+            gate=f"&tasks::{task.node.name}::state.gate" if task.node.name in gated else "nullptr",
+        )
         for task in plan.tasks
         if task.window_us is not None and _is_bound(plan, task.node)
     ]
@@ -327,40 +449,33 @@ def _is_bound(plan: Plan, node: Node) -> bool:
     return node.device is None or plan.board.devices[node.device].driver != "none"
 
 
-def failsafe(table: Failsafe) -> Row:
-    return {
-        "events": [upper_camel(event) for event in table.events],
-        "rows": [
-            {"mode": upper_camel(mode), "nexts": [upper_camel(following) for following in row]}
+def failsafe(table: Failsafe) -> FailsafeRow:
+    return FailsafeRow(
+        events=[upper_camel(event) for event in table.events],
+        rows=[
+            ModeAfter(upper_camel(mode), [upper_camel(following) for following in row])
             for mode, row in zip(table.modes, table.rows, strict=True)
         ],
-    }
+    )
 
 
-def build(plan: Plan, files: dict[str, str]) -> Row:
+def build(plan: Plan, files: dict[str, str]) -> BuildRow:
     folders = _app_folders(plan)
     for device in plan.board.devices.values():
         if device.driver != "none" and device.interface is not None:
             folder = device.interface.file.parent / device.driver.split("/")[1]
             folders[device.driver.replace("/", "_")] = folder
-    return _build(plan, files, folders) | {
-        "board": str(plan.board.file.parent),
-        "chip": "" if plan.board.chip is None else str(_chip_folder(plan)),
-        "executor": plan.board.executor,
-    }
+    chip = "" if plan.board.chip is None else str(_chip_folder(plan))
+    return _build(plan, plan.board.executor, plan.board.file.parent, chip, files, folders)
 
 
-def replay_build(plan: Plan, files: dict[str, str]) -> Row:
+def replay_build(plan: Plan, files: dict[str, str]) -> BuildRow:
     """No driver and no logger; the executor brings its own program."""
     folders = _app_folders(plan)
     for node in plan.graph.nodes.values():
         if node.interface.reads_log:
             folders.pop(node.interface.name, None)
-    return _build(plan, files, folders) | {
-        "board": str(HOME / "runtime" / "replay"),
-        "chip": "",
-        "executor": "replay",
-    }
+    return _build(plan, "replay", HOME / "runtime" / "replay", "", files, folders)
 
 
 def _app_folders(plan: Plan) -> dict[str, Path]:
@@ -371,13 +486,19 @@ def _app_folders(plan: Plan) -> dict[str, Path]:
     }
 
 
-def _build(plan: Plan, files: dict[str, str], folders: dict[str, Path]) -> Row:
-    inputs = [*plan.graph.files, plan.board.file]
-    return {
-        "sources": [name for name in files if name.endswith(".cpp")],
-        "libraries": [
-            {"name": name, "folder": str(folder)} for name, folder in sorted(folders.items())
-        ],
-        "inputs": sorted({str(path) for path in inputs}),
-        "home": str(HOME),
-    }
+def _build(
+    plan: Plan,
+    executor: str,
+    board: Path,
+    chip: str,
+    files: dict[str, str],
+    folders: dict[str, Path],
+) -> BuildRow:
+    return BuildRow(
+        executor=executor,
+        board=str(board),
+        chip=chip,
+        sources=[name for name in files if name.endswith(".cpp")],
+        libraries=[CMakeLibrary(name, str(folder)) for name, folder in sorted(folders.items())],
+        inputs=sorted({str(path) for path in (*plan.graph.files, plan.board.file)}),
+    )

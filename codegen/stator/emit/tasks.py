@@ -1,4 +1,4 @@
-"""Rows of the tasks: what the wrapper around each node does, and what it keeps.
+"""Rows of the tasks: the actions and the state of the wrapper around each node.
 
 The wrapper does only what the plan says can matter: where no publisher outranks a reader its pin
 needs no mark, where each pend means a sample nothing is asked, and where time has one source
@@ -7,6 +7,7 @@ nothing is compared.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stator.emit.rows import pend
@@ -14,15 +15,145 @@ from stator.names import upper_camel
 from stator.plan.plan import owns_its_vector
 
 if TYPE_CHECKING:
-    from stator.emit.rows import Row
+    from stator.diagnostics import Mark
+    from stator.emit.recording import TaskRecording
     from stator.graph.model import Node, Trigger
     from stator.plan.plan import Plan, Task
 
-# On these executors a job runs to its end before any of its level or below goes on.
+# On these executors a job runs to its end before another of its level or below continues.
 NESTING = ("cortex_m", "virtual")
 
 
-def task(plan: Plan, planned: Task) -> Row:
+@dataclass(frozen=True)
+class InputRow:
+    name: str
+    topic: str
+    kind: str  # one of _KINDS
+    take: str
+    max_age_us: int = 0
+    may_leave: bool = False  # whether samples can be left when the activation ends
+    now: str = ""
+
+
+@dataclass(frozen=True)
+class OutputRow:
+    name: str
+    topic: str
+    keep: str
+
+
+@dataclass(frozen=True)
+class LineRow:
+    name: str
+    min_interarrival_us: int
+    now: str
+
+
+@dataclass(frozen=True)
+class TimerRow:
+    name: str
+    bit: str
+    period_us: int
+    offset_us: int
+    now: str
+
+
+@dataclass(frozen=True)
+class EntryRow:
+    """The line whose vector is the task's."""
+
+    line: str
+    min_interarrival_us: int
+
+
+@dataclass(frozen=True)
+class TaskRow:
+    name: str
+    mark: Mark
+    header: str
+    class_name: str
+    is_bound: bool
+    device: str
+    ports: str
+    pend: str
+    index: int
+    is_timed: bool
+    level: int
+    level_begin: int
+    entry: EntryRow | None
+    lines: list[LineRow]
+    timers: list[TimerRow]
+    triggers: list[InputRow]
+    thinned: list[InputRow]
+    latest: list[InputRow]
+    queues: list[InputRow]
+    outputs: list[OutputRow]
+    reads_log: bool
+    publishes_params: bool
+    is_replayed: bool
+    keeps_now: bool
+    is_gated: bool
+    switches_mode: bool
+    recorded: TaskRecording | None
+
+    @property
+    def state(self) -> list[str]:
+        """Members of the task's state."""
+        fields = ["uint64_t now_us"] if self.keeps_now else []
+        kind = "EntryState" if self.entry else "LineState"
+        fields += [f"{kind} line_{line.name}" for line in self.lines]
+        fields += [f"TimerState {timer.name}" for timer in self.timers]
+        fields += [f"ThinnedState thinned_{i.topic}" for i in self.thinned]
+        fields += [f"uint32_t {name}" for name in self._numbers()]
+        fields += [f"uint32_t {i.name}_served" for i in self.thinned]
+        if self.is_gated:
+            fields.append("ModeGate gate")
+            # Shared: with threads, the next switch may come while the task begins.
+            fields += [f"Shared<uint32_t> {name}_start" for name in self._started()]
+        return fields
+
+    def _numbers(self) -> list[str]:
+        inputs = [*self.triggers, *self.thinned, *self.latest, *self.queues]
+        return [f"{i.name}_number" for i in inputs]
+
+    def _started(self) -> list[str]:
+        """What a switch notes for the task that it starts."""
+        inputs = [*self.triggers, *self.queues, *self.thinned]
+        return [i.name for i in inputs] + [timer.name for timer in self.timers]
+
+    @property
+    def starts(self) -> list[str]:
+        """Statements of the switch that starts the task."""
+        heads = [
+            f"state.{i.name}_start.store(topics::{i.topic}.state->head.load());"
+            for i in [*self.triggers, *self.queues]
+        ]
+        fires = [(i.name, f"thinned_{i.topic}") for i in self.thinned]
+        fires += [(timer.name, timer.name) for timer in self.timers]
+        heads += [f"state.{name}_start.store(state.{of}.fires.load());" for name, of in fires]
+        return heads
+
+    @property
+    def restart(self) -> list[str]:
+        """Statements of the task when it begins after a switch."""
+        begun = [i.name for i in (*self.triggers, *self.queues)]
+        lines = [
+            f"state.{name} = state.{name.removesuffix('number')}start.load();" for name in begun
+        ]
+        lines += [
+            f"state.{name} = 0;"
+            for name in self._numbers()
+            if name.removesuffix("_number") not in begun
+        ]
+        lines += [f"state.{i.name}_served = state.{i.name}_start.load();" for i in self.thinned]
+        lines += [
+            f"skip_to(state.{t.name}, state.{t.name}_start.load(), {t.period_us});"
+            for t in self.timers
+        ]
+        return lines
+
+
+def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
     node = planned.node
     interface = node.interface
     device = plan.board.devices[node.device] if node.device is not None else None
@@ -34,48 +165,48 @@ def task(plan: Plan, planned: Task) -> Row:
     entry = [t for t in node.triggers if is_bound and owns_its_vector(plan, planned)]
     keeps_now = not entry and not _has_one_clock(plan, node)
     inputs = [_input(plan, planned, key, keeps_now, is_gated) for key in node.inputs]
-    kinds = {kind: [i for i in inputs if i["kind"] == kind] for kind in _KINDS}
+    kinds = {kind: [i for i in inputs if i.kind == kind] for kind in _KINDS}
     if interface.params:
         kinds["latest"].append(_params(plan, planned))
-    row = {
-        "name": node.name,
-        "mark": node.mark,
-        "header": header,
-        "class": upper_camel(header),
-        "is_bound": is_bound,
-        "device": node.device or "",
-        "ports": f"{interface.class_name}Ports",
-        "pend": pend(plan, planned),
-        "index": planned.index,
-        "is_timed": plan.is_timed(node.name),
-        "level": planned.level,
-        "level_begin": planned.level_begin,
-        "entry": _entry(entry[0]) if entry else None,
-        "lines": [_line(t, keeps_now) for t in node.triggers if t.kind == "irq"],
-        "timers": [
+    return TaskRow(
+        name=node.name,
+        mark=node.mark,
+        header=header,
+        class_name=upper_camel(header),
+        is_bound=is_bound,
+        device=node.device or "",
+        ports=f"{interface.class_name}Ports",
+        pend=pend(plan, planned),
+        index=planned.index,
+        is_timed=plan.is_timed(node.name),
+        level=planned.level,
+        level_begin=planned.level_begin,
+        entry=EntryRow(entry[0].name, entry[0].min_interarrival_us or 0) if entry else None,
+        lines=[_line(t, keeps_now) for t in node.triggers if t.kind == "irq"],
+        timers=[
             _timer(i, t, keeps_now)
             for i, t in enumerate(t for t in node.triggers if t.kind == "every")
         ],
-        "triggers": kinds["trigger"],
-        "thinned": kinds["thinned"],
-        "latest": kinds["latest"],
-        "queues": kinds["queue"],
-        "outputs": [
-            {
-                "name": key,
-                "topic": o.topic,
-                "keep": "true" if node.name in plan.topics[o.topic].kept_by else "false",
-            }
+        triggers=kinds["trigger"],
+        thinned=kinds["thinned"],
+        latest=kinds["latest"],
+        queues=kinds["queue"],
+        outputs=[
+            OutputRow(
+                name=key,
+                topic=o.topic,
+                keep="true" if node.name in plan.topics[o.topic].kept_by else "false",
+            )
             for key, o in node.outputs.items()
         ],
-        "reads_log": interface.reads_log,
-        "publishes_params": interface.publishes_params,
-        "is_replayed": device is None and not interface.reads_log,
-        "keeps_now": keeps_now,
-        "is_gated": is_gated,
-        "switches_mode": modes is not None and modes.publisher == node.name,
-    }
-    return row | {"state": _state(row), "starts": _starts(row), "anew": _anew(row)}
+        reads_log=interface.reads_log,
+        publishes_params=interface.publishes_params,
+        is_replayed=device is None and not interface.reads_log,
+        keeps_now=keeps_now,
+        is_gated=is_gated,
+        switches_mode=modes is not None and modes.publisher == node.name,
+        recorded=recorded,
+    )
 
 
 _KINDS = ("trigger", "thinned", "latest", "queue")
@@ -95,30 +226,26 @@ def _now(expression: str, keeps_now: bool) -> str:
     return f"ports.now = {expression};"
 
 
-def _entry(trigger: Trigger) -> Row:
-    return {"line": trigger.name, "min_interarrival_us": trigger.min_interarrival_us or 0}
+def _line(trigger: Trigger, keeps_now: bool) -> LineRow:
+    return LineRow(
+        name=trigger.name,
+        min_interarrival_us=trigger.min_interarrival_us or 0,
+        now=_now(f"state.line_{trigger.name}.clock_us.load()", keeps_now),
+    )
 
 
-def _line(trigger: Trigger, keeps_now: bool) -> Row:
-    return {
-        "name": trigger.name,
-        "min_interarrival_us": trigger.min_interarrival_us or 0,
-        "now": _now(f"state.line_{trigger.name}.clock_us.load()", keeps_now),
-    }
-
-
-def _timer(index: int, trigger: Trigger, keeps_now: bool) -> Row:
+def _timer(index: int, trigger: Trigger, keeps_now: bool) -> TimerRow:
     times = f"{trigger.period_us}, {trigger.offset_us}"
-    return {
-        "name": f"every_{index}",
-        "bit": f"{1 << index}U",
-        "period_us": trigger.period_us,
-        "offset_us": trigger.offset_us,
-        "now": _now(f"nominal_time_us(state.every_{index}, {times})", keeps_now),
-    }
+    return TimerRow(
+        name=f"every_{index}",
+        bit=f"{1 << index}U",
+        period_us=trigger.period_us,
+        offset_us=trigger.offset_us,
+        now=_now(f"nominal_time_us(state.every_{index}, {times})", keeps_now),
+    )
 
 
-def _input(plan: Plan, planned: Task, key: str, keeps_now: bool, is_gated: bool) -> Row:
+def _input(plan: Plan, planned: Task, key: str, keeps_now: bool, is_gated: bool) -> InputRow:
     node = planned.node
     source = node.inputs[key]
     kind = node.way_of(source)
@@ -143,23 +270,23 @@ def _input(plan: Plan, planned: Task, key: str, keeps_now: bool, is_gated: bool)
     }[kind]
     if is_certain:
         take = f"take_latest({arguments}, 0, kNoAgeLimit, false)"
-    return {
-        "name": key,
-        "topic": source.topic,
-        "kind": kind,
-        "max_age_us": age or 0,
-        "take": f"ports.{key}.{take};",
-        "may_leave": not is_certain,
-        "now": _now(f"ports.{key}->timestamp", keeps_now) if kind in _KINDS[:2] else "",
-    }
+    return InputRow(
+        name=key,
+        topic=source.topic,
+        kind=kind,
+        take=f"ports.{key}.{take};",
+        max_age_us=age or 0,
+        may_leave=not is_certain,
+        now=_now(f"ports.{key}->timestamp", keeps_now) if kind in _KINDS[:2] else "",
+    )
 
 
-def _params(plan: Plan, planned: Task) -> Row:
+def _params(plan: Plan, planned: Task) -> InputRow:
     """Published before anything runs."""
     topic = f"{planned.node.name}_params"
     tail = "" if _is_outranked(plan, planned, topic) else ", kNoAgeLimit, false"
     take = f"take_latest(topics::{topic}, state.params_number, ports.now{tail})"
-    return {"name": "params", "topic": topic, "kind": "latest", "take": f"ports.params.{take};"}
+    return InputRow("params", topic, "latest", f"ports.params.{take};")
 
 
 def _is_outranked(plan: Plan, planned: Task, topic: str) -> bool:
@@ -172,55 +299,3 @@ def _is_outranked(plan: Plan, planned: Task, topic: str) -> bool:
             for name in publishers
         )
     )
-
-
-# --- what the wrapper keeps ---
-
-
-def _state(row: Row) -> list[str]:
-    """Members of the task's state."""
-    fields = ["uint64_t now_us"] if row["keeps_now"] else []
-    kind = "EntryState" if row["entry"] else "LineState"
-    fields += [f"{kind} line_{line['name']}" for line in row["lines"]]
-    fields += [f"TimerState {timer['name']}" for timer in row["timers"]]
-    fields += [f"ThinnedState thinned_{i['topic']}" for i in row["thinned"]]
-    fields += [f"uint32_t {name}" for name in _numbers(row)]
-    fields += [f"uint32_t {i['name']}_served" for i in row["thinned"]]
-    if row["is_gated"]:
-        fields.append("ModeGate gate")
-        # Shared: with threads, the next switch may come while the task begins.
-        fields += [f"Shared<uint32_t> {name}_start" for name in _started(row)]
-    return fields
-
-
-def _numbers(row: Row) -> list[str]:
-    inputs = [*row["triggers"], *row["thinned"], *row["latest"], *row["queues"]]
-    return [f"{i['name']}_number" for i in inputs]
-
-
-def _started(row: Row) -> list[str]:
-    """What a switch notes for the task that it starts."""
-    inputs = [*row["triggers"], *row["queues"], *row["thinned"]]
-    return [i["name"] for i in inputs] + [timer["name"] for timer in row["timers"]]
-
-
-def _starts(row: Row) -> list[str]:
-    heads = [
-        f"state.{i['name']}_start.store(topics::{i['topic']}.state->head.load());"
-        for i in [*row["triggers"], *row["queues"]]
-    ]
-    fires = [(i["name"], f"thinned_{i['topic']}") for i in row["thinned"]]
-    fires += [(timer["name"], timer["name"]) for timer in row["timers"]]
-    return heads + [f"state.{name}_start.store(state.{of}.fires.load());" for name, of in fires]
-
-
-def _anew(row: Row) -> list[str]:
-    begun = [f"{i['name']}_number" for i in [*row["triggers"], *row["queues"]]]
-    lines = [f"state.{name} = state.{name.removesuffix('number')}start.load();" for name in begun]
-    lines += [f"state.{name} = 0;" for name in _numbers(row) if name not in begun]
-    lines += [f"state.{i['name']}_served = state.{i['name']}_start.load();" for i in row["thinned"]]
-    lines += [
-        f"skip_to(state.{t['name']}, state.{t['name']}_start.load(), {t['period_us']});"
-        for t in row["timers"]
-    ]
-    return lines

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from stator.graph.messages import own_field
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -16,17 +18,16 @@ if TYPE_CHECKING:
 
 Floats: TypeAlias = NDArray[np.float64]
 
-# graph/messages/VehicleStatus.yaml
-DISARMED = 1
-HOLD = 4
-NAV_STATES = {
-    0: "manual", 1: "altitude", 2: "position", 3: "mission", HOLD: "hold", 5: "return",
-    12: "descend", 13: "termination", 15: "stabilized", 17: "take-off", 18: "landing",
-}  # fmt: skip
+_MODES = dict(own_field("VehicleStatus", "nav_state").values)
+_WORDS = {"takeoff": "take-off", "land": "landing"}  # what a flight mode is called in a report
+DISARMED = dict(own_field("VehicleStatus", "arming_state").values)["disarmed"]
+HOLD = _MODES["hold"]
+NAV_STATES = {number: _WORDS.get(name, name) for name, number in _MODES.items()}
 FAILSAFE_EVENTS = {
-    1: "estimator_invalid", 2: "position_lost", 3: "motor_lost", 4: "geofence",
-    5: "battery_critical", 6: "rc_lost", 7: "mission_lost", 8: "battery_low",
-}  # fmt: skip
+    number: name
+    for name, number in own_field("VehicleStatus", "failsafe_event").values
+    if name != "none"
+}
 
 
 class UnreadableFlight(Exception):

@@ -7,12 +7,14 @@ import signal
 import subprocess
 from typing import TYPE_CHECKING
 
+from stator.build.cpp_source import constant
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
     from types import FrameType
 
-RESTART = 3  # of the program: boards/linux/main.cpp
+RESTART = constant("boards/linux/main.cpp", "kRestart")
 SIGNALLED = 128  # plus the number of the signal
 # The shortest length that counts for one life: a program that restarts at once must end, too.
 MIN_LIFE_S = 0.1

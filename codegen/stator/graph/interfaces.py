@@ -65,6 +65,7 @@ def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> 
         reads_log=record.value("reads_log", False),
         publishes_params=record.value("publishes_params", False),
         needs_timer=record.value("needs_timer", False),
+        double_precision=record.value("double_precision", ""),
         failsafe=failsafe,
         params_message=params_message(name, params, Mark(path, 1, 1)),
     )

@@ -5,16 +5,16 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from stator import HOME
 from stator.diagnostics import Mark, Report
 from stator.graph.model import TYPES, Field, Message
+from stator.graph.sources import Sources
 from stator.language import keys as language
 from stator.language.shapes import Record, quoted
 from stator.names import is_reserved_type, upper_camel
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from stator.graph.sources import Sources
 
 MAX_MESSAGE_BYTES = 8192
 _FIELD_TYPE = re.compile(r"([a-z0-9]+)(?:\[([0-9]{1,5})\])?")
@@ -161,3 +161,10 @@ def find_message(sources: Sources, name: str, mark: Mark) -> Message | None:
         return None
     found: Message | None = sources.once("message", name, lambda: read_message(sources, name, path))
     return found
+
+
+def own_field(message: str, name: str) -> Field:
+    """A field of one of Stator's own messages."""
+    found = find_message(Sources(HOME, Report()), message, Mark(HOME, 1, 1))
+    assert found is not None
+    return next(field for field in found.fields if field.name == name)

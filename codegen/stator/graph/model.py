@@ -102,6 +102,7 @@ class Interface:
     reads_log: bool
     publishes_params: bool
     needs_timer: bool
+    double_precision: str  # why it is needed; empty: it is not used
     failsafe: Failsafe | None
     params_message: Message | None
 

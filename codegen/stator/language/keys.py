@@ -264,6 +264,11 @@ INTERFACE = Struct(
             Boolean(), "true: the node changes and publishes the parameters of all nodes."
         ),
         "needs_timer": Key(Boolean(), "true: one of the node's triggers must be `every`."),
+        "double_precision": Key(
+            Text(r"\S[\s\S]*", "a reason", hint="write why float is not precise enough"),
+            "The reason why the node computes in double precision. Chips without double precision "
+            "instructions then compute it in software; without this key, the build refuses it.",
+        ),
     }
 )
 

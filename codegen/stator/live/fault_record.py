@@ -1,16 +1,13 @@
-"""The fault record that failed firmware leaves for the next run, as text.
-
-The layout is that of runtime/cortex_m/stator/record.hpp.
-"""
+"""The fault record that failed firmware leaves for the next run, as text."""
 
 from __future__ import annotations
 
 import re
-import struct
 import subprocess
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from stator.build.cpp_source import constant, layout
 from stator.plan.hash import graph_hash
 
 if TYPE_CHECKING:
@@ -18,8 +15,9 @@ if TYPE_CHECKING:
 
     from stator.plan.plan import Plan, Task
 
-MAX_RESETS = 3  # after these, the firmware starts in safe mode
-LAYOUT = struct.Struct("<9I8I8I4I3IQQI32I48s16s20s")
+HEADER = "runtime/cortex_m/stator/fault_record.hpp"
+MAX_RESETS = constant(HEADER, "kMaxResets")  # after these, the firmware starts in safe mode
+LAYOUT = layout(HEADER, "FaultRecord")
 PRINTED = re.compile(r"^stator: record ([0-9a-f]+)$", re.MULTILINE)
 
 FAULT, ASSERTION, WATCHDOG = 1, 2, 3
@@ -82,35 +80,37 @@ class FaultRecord:
 
 def decode(data: bytes) -> FaultRecord:
     """Raises `ValueError` for a record of another length."""
-    if len(data) != LAYOUT.size:
-        raise ValueError(f"expected a record of {LAYOUT.size} bytes, found {len(data)}")
-    words = LAYOUT.unpack(data)
-    active = words[25:29]
-    nested, silent, resets, uptime_us, _window_us, count = words[29:35]
-    ring = words[35:67]
+    if len(data) != LAYOUT.packed.size:
+        raise ValueError(f"expected a record of {LAYOUT.packed.size} bytes, found {len(data)}")
+    fields: dict[str, Any] = LAYOUT.read(data)
+    one = {name: values[0] for name, values in fields.items()}
+    count, ring = one["activation_count"], fields["activations"]
     newest_first = (ring[(count - 1 - i) % len(ring)] for i in range(min(count, len(ring))))
     return FaultRecord(
-        cause=words[0],
-        exception=words[1],
-        exc_return=words[2],
-        stack_pointer=words[3],
-        status=words[4],
-        hard_status=words[5],
-        memory_address=words[6],
-        bus_address=words[7],
-        frame=words[9:17],
-        saved=words[17:25],
+        cause=one["cause"],
+        exception=one["exception"],
+        exc_return=one["exc_return"],
+        stack_pointer=one["stack_pointer"],
+        status=one["status"],
+        hard_status=one["hard_status"],
+        memory_address=one["memory_address"],
+        bus_address=one["bus_address"],
+        frame=fields["frame"],
+        saved=fields["saved"],
         active_vectors=tuple(
-            32 * i + bit for i, word in enumerate(active) for bit in range(32) if word >> bit & 1
+            32 * i + bit
+            for i, word in enumerate(fields["active"])
+            for bit in range(32)
+            if word >> bit & 1
         ),
-        nested=nested,
-        silent_task=silent - 1 if silent else None,
-        resets=resets,
-        uptime_us=uptime_us,
+        nested=one["nested"],
+        silent_task=one["silent_task"] - 1 if one["silent_task"] else None,
+        resets=one["resets"],
+        uptime_us=one["uptime_us"],
         activations=tuple((entry >> 8, entry & 0xFF) for entry in newest_first),
-        what=words[67].rstrip(b"\0").decode(errors="replace"),
-        graph_hash=words[68].decode(errors="replace"),
-        build_id=words[69].hex(),
+        what=one["what"].rstrip(b"\0").decode(errors="replace"),
+        graph_hash=one["graph_hash"].decode(errors="replace"),
+        build_id=one["build_id"].hex(),
     )
 
 

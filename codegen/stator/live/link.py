@@ -231,7 +231,7 @@ class Link:
 
     def fault(self) -> FaultRecord | None:
         body = self.ask(FAULT)
-        record = decode(body[: LAYOUT.size])
+        record = decode(body[: LAYOUT.packed.size])
         return record if record.cause else None
 
 

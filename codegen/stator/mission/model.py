@@ -11,16 +11,16 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from stator import HOME
+from stator.build.cpp_source import constant
 from stator.diagnostics import Mark, Report
-from stator.graph.messages import find_message
+from stator.graph.messages import find_message, own_field
 from stator.graph.model import TYPES
 from stator.graph.sources import Sources
 
 if TYPE_CHECKING:
     from stator.graph.model import Field
 
-# Of graph/messages/Mission.yaml.
-MAX_ITEMS = 31
+MAX_ITEMS = own_field("Mission", "kind").count or 0
 NAN = math.nan
 FOREVER_S = 1e9
 WAYPOINT, RETURN, LAND, TAKEOFF, EIGHT = 16, 20, 21, 22, 35
@@ -32,7 +32,7 @@ NAMES = {
     EIGHT: "figure of eight",
 }
 USUAL_RADIUS_M = 1.0  # the distance at which a waypoint counts as reached
-SHORTEST_EIGHT_M = 2.0  # of apps/navigator/route.cpp
+SHORTEST_EIGHT_M = constant("apps/navigator/route.cpp", "kShortestEight")
 MIN_CLIMB_M = 0.5
 # The limits of the parameters `farthest` of the navigator and `fence_height` of the commander.
 MAX_AWAY_M = MAX_HEIGHT_M = 10_000.0

@@ -10,7 +10,7 @@ void BaroRecording::step(BaroPorts& ports) {
     ports.pressure.publish([&] {
         return SensorBaro{.timestamp_sample = sample.timestamp_sample,
                           .pressure = sample.pressure,
-                          .temperature = 15.0f};
+                          .temperature = 15.0F};
     });
 }
 

@@ -13,7 +13,7 @@ class BaroRecording {
     struct Device {
         uint64_t timestamp_sample = 0;  // us
         uint32_t samples = 0;           // since the start, to tell a new one
-        float pressure = 0.0f;          // Pa
+        float pressure = 0.0F;          // Pa
     };
 
     explicit BaroRecording(Device& device) : device_(device) {}

@@ -13,8 +13,8 @@ class BaroSim {
     struct Device {
         uint64_t timestamp_sample = 0;  // us
         uint32_t samples = 0;           // since the start, to tell a new one; wraps
-        float pressure = 0.0f;          // Pa
-        float temperature_degc = 0.0f;
+        float pressure = 0.0F;          // Pa
+        float temperature_degc = 0.0F;
         // Brings this up to date, where the board writes in another thread; else none.
         void (*refresh)(Device&) = nullptr;
     };

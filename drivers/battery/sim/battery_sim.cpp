@@ -19,7 +19,7 @@ Warning warning(float remaining, const BatteryParams& params) {
 void BatterySim::step(BatteryPorts& ports) {
     if (device_.refresh != nullptr) device_.refresh(device_);
     const Device battery = device_;
-    const bool connected = battery.voltage_v > 0.0f;
+    const bool connected = battery.voltage_v > 0.0F;
     ports.status.publish([&] {
         return BatteryStatus{
             .connected = connected,

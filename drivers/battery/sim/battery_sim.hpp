@@ -9,10 +9,10 @@ class BatterySim {
   public:
     // What the battery says now, which the board writes.
     struct Device {
-        float voltage_v = 0.0f;
-        float current_a = 0.0f;
-        float discharged_mah = 0.0f;
-        float remaining = 0.0f;  // 1 to 0
+        float voltage_v = 0.0F;
+        float current_a = 0.0F;
+        float discharged_mah = 0.0F;
+        float remaining = 0.0F;  // 1 to 0
         // Brings this up to date, where the board writes in another thread; else none.
         void (*refresh)(Device&) = nullptr;
     };

@@ -9,11 +9,11 @@ namespace stator::bxcan {
 // internal oscillator does (ISO 11898-1: the smaller of 3 / (20 * 14) and 3 / (2 * (13 * 14 - 3))
 // for each of two nodes). Silent and loop-back mode, bits 31 and 30, stay off.
 uint32_t bit_timing(uint32_t clock_hz, uint32_t bit_rate) {
-    constexpr uint32_t kMostPrescaler = 1024;
+    constexpr uint32_t kMaxPrescaler = 1024;
     for (uint32_t quanta = 20; quanta >= 8 && bit_rate != 0; --quanta) {
         if (clock_hz % (bit_rate * quanta) != 0) continue;
         const uint32_t prescaler = clock_hz / (bit_rate * quanta);
-        if (prescaler == 0 || prescaler > kMostPrescaler) continue;
+        if (prescaler == 0 || prescaler > kMaxPrescaler) continue;
         const uint32_t segment2 = (quanta + 2) / 5;
         const uint32_t segment1 = quanta - 1 - segment2;
         const uint32_t jump = segment2 < 4 ? segment2 : 4;

@@ -95,9 +95,9 @@ struct Memory {
 template <class Registers>
 class BxcanPort {
   public:
-    static constexpr uint64_t kMostReset_us = 100'000;
+    static constexpr uint64_t kMaxReset_us = 100'000;
     // 128 times 11 recessive bits come with 128 frames of a full bus: at 125 kbit/s some 160 ms.
-    static constexpr uint64_t kMostLeave_us = 500'000;
+    static constexpr uint64_t kMaxLeave_us = 500'000;
     static constexpr uint64_t kBusOffPause_us = 100'000;
 
     // `timing`: of `bxcan::bit_timing`; the clock of the controller is on already.

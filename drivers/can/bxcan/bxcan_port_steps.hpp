@@ -12,7 +12,7 @@ void BxcanPort<Registers>::request_init(Step next, uint64_t now_us) {
 }
 
 // In initialisation mode: bit timing and filters (32.4.1, 32.7.4). The first 14 filters are those
-// of CAN1 as long as nobody moves the start of CAN2's (CAN2SB).
+// of CAN1 while the start of CAN2's (CAN2SB) stays where it is after reset.
 template <class Registers>
 void BxcanPort<Registers>::configure() {
     registers_.write(bxcan::kBitTiming, timing_);
@@ -53,7 +53,7 @@ void BxcanPort<Registers>::begin(uint64_t now_us) {
                 registers_.write(bxcan::kMasterControl, 0);
                 step_ = Step::kLeave;
                 since_us_ = now_us;
-            } else if (now_us - since_us_ > kMostReset_us) {
+            } else if (now_us - since_us_ > kMaxReset_us) {
                 ++io_errors_;
                 step_ = Step::kReset;
             }
@@ -63,13 +63,13 @@ void BxcanPort<Registers>::begin(uint64_t now_us) {
             if (!is_in_init() && (registers_.read(bxcan::kErrorStatus) & bxcan::kBusOff) == 0 &&
                 (registers_.read(bxcan::kTransmitStatus) & bxcan::kAllEmpty) == bxcan::kAllEmpty) {
                 step_ = Step::kRun;
-            } else if (now_us - since_us_ > kMostLeave_us) {
+            } else if (now_us - since_us_ > kMaxLeave_us) {
                 ++io_errors_;
                 step_ = Step::kReset;
             }
             break;
         case Step::kRun:
-            if (now_us > kMostCanWait_us) abort_older(now_us - kMostCanWait_us);
+            if (now_us > kMaxCanWait_us) abort_older(now_us - kMaxCanWait_us);
             break;
         case Step::kPause:
             if (now_us - since_us_ >= kBusOffPause_us) request_init(Step::kRestart, now_us);
@@ -248,9 +248,9 @@ bool BxcanPort<Registers>::receive(CanFrame& frame, uint64_t now_us) {
     return take(1, frame, now_us) || take(0, frame, now_us);
 }
 
-// What is raised from here on brings the next activation. Only what that would take away: frames
-// and errors that nobody acknowledges would raise their vector for ever. Of the controller's
-// states, only worse ones than the present one are news.
+// An interrupt from here on brings the next activation. Only those that it would acknowledge are
+// enabled: others would raise their vector for ever. A change of the controller's state counts only
+// if the new one is worse.
 template <class Registers>
 void BxcanPort<Registers>::end() const {
     uint32_t interrupts = 0;

@@ -43,8 +43,8 @@ bool is_up(int descriptor, const char* name) {
 uint64_t age_us(const timespec& seen, const timespec& now, double speed) {
     const int64_t age_ns =
         (now.tv_sec - seen.tv_sec) * 1'000'000'000LL + (now.tv_nsec - seen.tv_nsec);
-    constexpr int64_t kMost_ns = 1'000'000'000;  // more, or less than none: that clock was set
-    if (age_ns <= 0 || age_ns >= kMost_ns) return 0;
+    constexpr int64_t kMax_ns = 1'000'000'000;  // more, or less than none: that clock was set
+    if (age_ns <= 0 || age_ns >= kMax_ns) return 0;
     return static_cast<uint64_t>(speed * static_cast<double>(age_ns / 1000));
 }
 
@@ -60,10 +60,10 @@ bool SocketPort::open() {
     const bool there =
         is_up(socket_, device_.interface) && ioctl(socket_, SIOCGIFINDEX, &request) == 0;
     address.can_ifindex = request.ifr_ifindex;
-    std::array<can_filter, Device::kMostFilters> filters{};
+    std::array<can_filter, Device::kMaxFilters> filters{};
     // Without CAN_ERR_FLAG: a mask with it would ask for error frames only.
     filters[0] = {.can_id = 0, .can_mask = CAN_RTR_FLAG};
-    const unsigned count = std::clamp(device_.filter_count, 1U, Device::kMostFilters);
+    const unsigned count = std::clamp(device_.filter_count, 1U, Device::kMaxFilters);
     for (unsigned i = 0; i < device_.filter_count && i < filters.size(); ++i) {
         filters[i] = {.can_id = device_.filters[i].id, .can_mask = device_.filters[i].mask};
     }
@@ -102,7 +102,7 @@ void SocketPort::begin(uint64_t now_us) {
     if (device_.watch != nullptr) device_.watch(socket_);
 }
 
-// The interface is down or gone: the socket is opened anew when it is back.
+// The interface is down or gone: the socket is opened again when it is back.
 void SocketPort::fail(int error) {
     if (error == EAGAIN || error == EINTR || error == ENOBUFS) return;
     ++io_errors_;
@@ -126,17 +126,17 @@ bool SocketPort::fetch(uint64_t now_us) {
         can_frame frame;
         alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(uint32_t))];
     };
-    std::array<Raw, kMostFetched> raw{};
-    std::array<iovec, kMostFetched> parts{};
-    std::array<mmsghdr, kMostFetched> messages{};
-    for (unsigned i = 0; i < kMostFetched; ++i) {
+    std::array<Raw, kMaxFetched> raw{};
+    std::array<iovec, kMaxFetched> parts{};
+    std::array<mmsghdr, kMaxFetched> messages{};
+    for (unsigned i = 0; i < kMaxFetched; ++i) {
         parts[i] = {&raw[i].frame, sizeof raw[i].frame};
         messages[i].msg_hdr.msg_iov = &parts[i];
         messages[i].msg_hdr.msg_iovlen = 1;
         messages[i].msg_hdr.msg_control = raw[i].control;
         messages[i].msg_hdr.msg_controllen = sizeof raw[i].control;
     }
-    const int count = recvmmsg(socket_, messages.data(), kMostFetched, 0, nullptr);
+    const int count = recvmmsg(socket_, messages.data(), kMaxFetched, 0, nullptr);
     if (count < 0) {
         fail(errno);
         return false;
@@ -161,7 +161,7 @@ bool SocketPort::fetch(uint64_t now_us) {
     return true;
 }
 
-// A data frame is kept, an error frame told, and what else there is counted.
+// Keeps a data frame, reports an error frame, and counts any other.
 void SocketPort::sort(const can_frame& raw, bool is_whole, uint64_t seen_us) {
     if ((raw.can_id & CAN_ERR_FLAG) != 0) {
         take_error_frame(raw.can_id, raw.data);
@@ -184,7 +184,7 @@ bool SocketPort::receive(CanFrame& frame, uint64_t now_us) {
     if (taken_ == fetched_count_) {
         taken_ = 0;
         fetched_count_ = 0;
-        // Once an activation: whatever is left raises the line again.
+        // Once an activation: what is left raises the line again.
         if (socket_ < 0 || fetched_us_ == now_us || !fetch(now_us)) return false;
         fetched_us_ = now_us;
         if (fetched_count_ == 0) return false;
@@ -193,7 +193,7 @@ bool SocketPort::receive(CanFrame& frame, uint64_t now_us) {
     return true;
 }
 
-// <linux/can/error.h>. Of the controller's states, the last one told holds.
+// <linux/can/error.h>. The state of the controller is the last one reported.
 void SocketPort::take_error_frame(uint32_t kind, const uint8_t* data) {
     if ((kind & CAN_ERR_BUSOFF) != 0) {
         ++bus_off_count_;

@@ -18,10 +18,10 @@ class SocketPort {
         uint32_t mask;  // bits that count
     };
     struct Device {
-        static constexpr unsigned kMostFilters = 8;
+        static constexpr unsigned kMaxFilters = 8;
         const char* interface = nullptr;  // such as can0; none: the bus is down
         // Which frames the kernel hands over; none: all data frames.
-        std::array<Filter, kMostFilters> filters{};
+        std::array<Filter, kMaxFilters> filters{};
         unsigned filter_count = 0;
         double clock_speed = 1.0;  // of the program's clock against the machine's
         // The board waits for the descriptor, and stops that before it is closed. May be null.
@@ -42,7 +42,7 @@ class SocketPort {
   private:
     using State = CanInterfaceStatus::State;
 
-    static constexpr unsigned kMostFetched = 8;
+    static constexpr unsigned kMaxFetched = 8;
 
     bool open();
     void close();
@@ -52,7 +52,7 @@ class SocketPort {
     void fail(int error);
 
     Device& device_;
-    std::array<CanFrame, kMostFetched> fetched_{};
+    std::array<CanFrame, kMaxFetched> fetched_{};
     unsigned fetched_count_ = 0;
     unsigned taken_ = 0;
     uint64_t fetched_us_ = 0;

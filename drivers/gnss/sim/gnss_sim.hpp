@@ -18,9 +18,9 @@ class GnssSim {
         double altitude_msl_m = 0.0;
         double altitude_ellipsoid_m = 0.0;
         std::array<float, 3> velocity_N{};  // m/s
-        float horizontal_error = 0.0f;      // m, as the receiver believes
-        float vertical_error = 0.0f;        // m
-        float speed_error = 0.0f;           // m/s
+        float horizontal_error = 0.0F;      // m, as the receiver believes
+        float vertical_error = 0.0F;        // m
+        float speed_error = 0.0F;           // m/s
         uint32_t satellites = 0;            // fewer than 4: no fix
     };
 

@@ -10,8 +10,8 @@ namespace stator {
 
 class ImuSim {
   public:
-    // The registers of the part. The board writes a sample, then raises data_ready; a sample that
-    // nobody read until the next one is gone.
+    // The registers of the part. The board writes a sample, then raises data_ready; the next
+    // sample overwrites one that has not been read.
     struct Device {
         uint64_t timestamp_sample = 0;   // us
         std::array<float, 3> gyro_B{};   // rad/s

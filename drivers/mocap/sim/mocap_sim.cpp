@@ -8,11 +8,11 @@ namespace stator {
 void MocapSim::step(MocapPorts& ports) {
     if (!ports.fired.received) return;
     const Device seen = device_;
-    const math::SinCos<float> half = math::sincos(0.5f * seen.yaw);
+    const math::SinCos<float> half = math::sincos(0.5F * seen.yaw);
     ports.odometry.publish([&] {
         return VehicleOdometry{.timestamp_sample = seen.timestamp_sample,
                                .position = seen.position_N,
-                               .q = {half.cos, 0.0f, 0.0f, half.sin}};
+                               .q = {half.cos, 0.0F, 0.0F, half.sin}};
     });
 }
 

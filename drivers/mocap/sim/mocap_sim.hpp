@@ -14,7 +14,7 @@ class MocapSim {
     struct Device {
         uint64_t timestamp_sample = 0;      // us, of the picture, not of its arrival
         std::array<float, 3> position_N{};  // m
-        float yaw = 0.0f;                   // rad
+        float yaw = 0.0F;                   // rad
     };
 
     explicit MocapSim(Device& device) : device_(device) {}

@@ -11,7 +11,7 @@ class NonvolatileFile {
   public:
     struct Device {
         int file = -1;  // the board opens it, for reading and writing, and closes it
-        // For the board, while the graph stands still: what the node has told.
+        // For the board, while the graph stands still: what the node has published.
         NonvolatileStatus status{};
     };
     struct Port {

@@ -13,10 +13,10 @@ class RadioSim {
     // goes on with the last frame and says so.
     struct Device {
         uint64_t timestamp_sample = 0;  // us
-        float roll = 0.0f;              // sticks: -1 to 1
-        float pitch = 0.0f;
-        float yaw = 0.0f;
-        float throttle = 0.0f;
+        float roll = 0.0F;              // sticks: -1 to 1
+        float pitch = 0.0F;
+        float yaw = 0.0F;
+        float throttle = 0.0F;
         uint32_t mode_slot = 0;
         bool is_heard = false;
         bool arm = false;

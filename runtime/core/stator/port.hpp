@@ -1,11 +1,12 @@
 // Ports: what a node sees of its topics. Typed by the node's interface, ignorant of topic names,
 // rates and priorities. Generated wrappers fill them before `step` and let go of them after it.
+// What a port takes and publishes passes its tap, which is the build's (runtime/recording).
 #pragma once
 
 #include <cstdint>
 #include <new>
 
-#include "stator/recording.hpp"
+#include "stator/tap.hpp"
 #include "stator/topic.hpp"
 
 namespace stator {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "stator/port.hpp"
+#include "stator/topic.hpp"
 
 namespace stator {
 

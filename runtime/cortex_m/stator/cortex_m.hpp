@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
+#include "stator/fault_record.hpp"
 #include "stator/link.hpp"
-#include "stator/record.hpp"
 #include "stator/task.hpp"
 #include "stator/watch.hpp"
 

@@ -1,7 +1,7 @@
 // The memory that a reset does not clear, and its seal.
 #pragma once
 
-#include "stator/record.hpp"
+#include "stator/fault_record.hpp"
 
 namespace stator {
 
@@ -19,7 +19,7 @@ void add_run(FaultRecord& record);
 void seal(KeptRecord& kept);
 
 // The record of a run that ends here; if one is being made already, ends at once.
-FaultRecord& begin_record(FaultRecord::Cause cause);
+FaultRecord& begin_fault_record(FaultRecord::Cause cause);
 // `frame`: where the processor left the registers of what was interrupted.
 void add_registers(FaultRecord& record, const uint32_t* frame);
 // Seals the record, makes the motors safe, and resets.

@@ -49,7 +49,7 @@ inline constexpr Register kCurrent(0xE000E018);  // any write clears it, so that
 inline constexpr uint32_t kEnable = 1U << 0;
 inline constexpr uint32_t kInterrupt = 1U << 1;
 inline constexpr uint32_t kCoreClock = 1U << 2;
-inline constexpr uint32_t kMostTicks = 0x00FFFFFF;
+inline constexpr uint32_t kMaxTicks = 0x00FFFFFF;
 }  // namespace systick
 
 // B3.2: system control block.

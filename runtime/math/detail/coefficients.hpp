@@ -22,33 +22,33 @@ struct Coefficients;
 template <>
 struct Coefficients<float> {
     // (sin r - r) / r^3 in r^2, |r| <= pi/4. Error 2^-32.3.
-    static constexpr float kSin[] = {-0x1.555556p-3f, 0x1.111166p-7f, -0x1.a04a82p-13f,
-                                     0x1.786ae6p-19f};
+    static constexpr float kSin[] = {-0x1.555556p-3F, 0x1.111166p-7F, -0x1.a04a82p-13F,
+                                     0x1.786ae6p-19F};
     // (cos r - 1 + r^2/2) / r^4 in r^2, |r| <= pi/4. Error 2^-33.1.
-    static constexpr float kCos[] = {0x1.55554ap-5f, -0x1.6c0c2ep-10f, 0x1.99eadp-16f};
+    static constexpr float kCos[] = {0x1.55554ap-5F, -0x1.6c0c2ep-10F, 0x1.99eadp-16F};
     // (atan t - t) / t^3 in t^2, |t| <= tan(pi/8). Error 2^-33.7.
-    static constexpr float kAtan[] = {-0x1.555554p-2f, 0x1.9998b2p-3f,  -0x1.247588p-3f,
-                                      0x1.c39ec8p-4f,  -0x1.5764dap-4f, 0x1.767e7ep-5f};
+    static constexpr float kAtan[] = {-0x1.555554p-2F, 0x1.9998b2p-3F,  -0x1.247588p-3F,
+                                      0x1.c39ec8p-4F,  -0x1.5764dap-4F, 0x1.767e7ep-5F};
     // (asin x - x) / x^3 in x^2, |x| <= 1/2. Error 2^-31.7.
-    static constexpr float kAsin[] = {0x1.55554cp-3f, 0x1.33389ap-4f, 0x1.6cabap-5f,
-                                      0x1.04a60cp-5f, 0x1.d82adcp-7f, 0x1.339b94p-5f};
+    static constexpr float kAsin[] = {0x1.55554cp-3F, 0x1.33389ap-4F, 0x1.6cabap-5F,
+                                      0x1.04a60cp-5F, 0x1.d82adcp-7F, 0x1.339b94p-5F};
     // (exp r - 1 - r) / r^2 in r, |r| <= log(2)/2. Error 2^-33.1.
-    static constexpr float kExp[] = {0x1p-1f,        0x1.555556p-3f,  0x1.5554e4p-5f,
-                                     0x1.110feep-7f, 0x1.6d514ep-10f, 0x1.a27408p-13f};
+    static constexpr float kExp[] = {0x1p-1F,        0x1.555556p-3F,  0x1.5554e4p-5F,
+                                     0x1.110feep-7F, 0x1.6d514ep-10F, 0x1.a27408p-13F};
     // (log((1+s)/(1-s)) - 2s) / s^3 in s^2, (1+s)/(1-s) in [sqrt(1/2), sqrt(2)]. Error 2^-35.0.
-    static constexpr float kLog[] = {0x1.555554p-1f, 0x1.999bd4p-2f, 0x1.23f1ap-2f, 0x1.ec1e42p-3f};
+    static constexpr float kLog[] = {0x1.555554p-1F, 0x1.999bd4p-2F, 0x1.23f1ap-2F, 0x1.ec1e42p-3F};
     // the same less 2/3 + 2/5 s^2, by s^4. Error 2^-42.9.
-    static constexpr float kLogRest[] = {0x1.2492bep-2f, 0x1.c69c54p-3f, 0x1.8abf7p-3f};
+    static constexpr float kLogRest[] = {0x1.2492bep-2F, 0x1.c69c54p-3F, 0x1.8abf7p-3F};
     // As sums; kLn2's first part leaves room for an exact product with an exponent.
-    static constexpr DoubleWord<float> kPi{0x1.921fb6p+1f, -0x1.777a5cp-24f};
-    static constexpr DoubleWord<float> kHalfPi{0x1.921fb6p+0f, -0x1.777a5cp-25f};
-    static constexpr DoubleWord<float> kQuarterPi{0x1.921fb6p-1f, -0x1.777a5cp-26f};
-    static constexpr DoubleWord<float> kLn2{0x1.62e4p-1f, 0x1.7f7d1cp-20f};
-    static constexpr DoubleWord<float> kTwoThirds{0x1.555556p-1f, -0x1.555556p-26f};
-    static constexpr DoubleWord<float> kTwoFifths{0x1.99999ap-2f, -0x1.99999ap-28f};
-    static constexpr float kHalfPiParts[] = {0x1.922p+0f, -0x1.2afp-18f, 0x1.0b4612p-34f};
-    static constexpr float kTwoOverPiRounded = 0x1.45f306p-1f;
-    static constexpr float kLog2E = 0x1.715476p+0f;
+    static constexpr DoubleWord<float> kPi{0x1.921fb6p+1F, -0x1.777a5cp-24F};
+    static constexpr DoubleWord<float> kHalfPi{0x1.921fb6p+0F, -0x1.777a5cp-25F};
+    static constexpr DoubleWord<float> kQuarterPi{0x1.921fb6p-1F, -0x1.777a5cp-26F};
+    static constexpr DoubleWord<float> kLn2{0x1.62e4p-1F, 0x1.7f7d1cp-20F};
+    static constexpr DoubleWord<float> kTwoThirds{0x1.555556p-1F, -0x1.555556p-26F};
+    static constexpr DoubleWord<float> kTwoFifths{0x1.99999ap-2F, -0x1.99999ap-28F};
+    static constexpr float kHalfPiParts[] = {0x1.922p+0F, -0x1.2afp-18F, 0x1.0b4612p-34F};
+    static constexpr float kTwoOverPiRounded = 0x1.45f306p-1F;
+    static constexpr float kLog2E = 0x1.715476p+0F;
 };
 
 template <>

@@ -31,7 +31,7 @@ class Format:
     half_pi_digits: int  # times counts of quarter turns
 
 
-FLOAT = Format("float", 24, "f", 15, 14)
+FLOAT = Format("float", 24, "F", 15, 14)
 DOUBLE = Format("double", 53, "", 42, 32)
 
 

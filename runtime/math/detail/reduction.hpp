@@ -26,19 +26,19 @@ DoubleWord<double> reduce_turns(double x);
 // For subtraction: largest angle, so that quarter turns have 9 or 20 bits, and the rest below which
 // cancellation leaves too few digits.
 template <std::floating_point T>
-inline constexpr T kMostBySubtraction = std::numeric_limits<T>::digits == 24 ? T{800} : T{1000000};
+inline constexpr T kMaxBySubtraction = std::numeric_limits<T>::digits == 24 ? T{800} : T{1000000};
 template <std::floating_point T>
-inline constexpr T kLeastRest = std::numeric_limits<T>::digits == 24 ? T{0x1p-10} : T{0x1p-20};
+inline constexpr T kMinRest = std::numeric_limits<T>::digits == 24 ? T{0x1p-10} : T{0x1p-20};
 
 // x finite. pi/2 comes in three parts, of which the first two times n are exact.
 template <std::floating_point T>
 inline ReducedAngle<T> reduce_angle(T x) {
     using C = Coefficients<T>;
-    if (!(abs(x) < kMostBySubtraction<T>)) return reduce_any_angle(x);
+    if (!(abs(x) < kMaxBySubtraction<T>)) return reduce_any_angle(x);
     const T n = nearest(x * C::kTwoOverPiRounded);
     const T first = x - n * C::kHalfPiParts[0];
     const DoubleWord<T> second = two_sum(first, -n * C::kHalfPiParts[1]);
-    if (abs(second.high) < kLeastRest<T>) return reduce_any_angle(x);
+    if (abs(second.high) < kMinRest<T>) return reduce_any_angle(x);
     const DoubleWord<T> rest = fast_two_sum(second.high, second.low - n * C::kHalfPiParts[2]);
     return {rest, static_cast<unsigned>(static_cast<int>(n))};
 }

@@ -21,11 +21,8 @@ struct NorthEast {
 // Double, because a degree is 111 km: float would be good to a metre only.
 class LocalFrame {
   public:
-    LocalFrame() : LocalFrame(LatitudeLongitude{}) {}
+    LocalFrame() = default;  // at latitude 0, longitude 0
     explicit LocalFrame(const LatitudeLongitude& origin) : origin_(origin) {
-        constexpr double kEquator = 6378137.0;  // m, WGS 84
-        constexpr double kFlattening = 1.0 / 298.257223563;
-        constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
         const SinCos<double> latitude = sincos(origin.latitude_deg * kDegree);
         const double w2 = 1.0 - kEccentricity2 * latitude.sin * latitude.sin;
         transverse_ = kEquator / sqrt(w2);
@@ -58,11 +55,14 @@ class LocalFrame {
 
   private:
     static constexpr double kDegree = kPi<double> / 180.0;
+    static constexpr double kEquator = 6378137.0;  // m, WGS 84
+    static constexpr double kFlattening = 1.0 / 298.257223563;
+    static constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
 
     LatitudeLongitude origin_;
-    double meridional_ = 0.0;  // m, radius of curvature along the meridian
-    double transverse_ = 0.0;  // m, across it
-    double bend_ = 0.0;        // m per square radian
+    double meridional_ = kEquator * (1.0 - kEccentricity2);  // m, radius of curvature northward
+    double transverse_ = kEquator;                           // m, eastward
+    double bend_ = 0.0;                                      // m per square radian
 };
 
 }  // namespace stator::math

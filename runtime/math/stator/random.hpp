@@ -30,7 +30,7 @@ class Random {
     std::uint32_t word();
 
     // In [0, 1): float is 24 bits of one word, double is 53 bits of two.
-    float uniform_float() { return static_cast<float>(word() >> 8) * 0x1p-24f; }
+    float uniform_float() { return static_cast<float>(word() >> 8) * 0x1p-24F; }
     double uniform_double();
 
     // Standard normal (Box and Muller 1958, one of the two); always two words for float, three for

@@ -30,8 +30,8 @@ class Activation {
     Activation(uint32_t, TaskCounters& counters)
         : counters_(counters), begin_ns_(thread_cpu_ns()) {}
     void finish() {
-        constexpr uint64_t kMost = std::numeric_limits<uint32_t>::max();
-        const auto own_ns = static_cast<uint32_t>(std::min(thread_cpu_ns() - begin_ns_, kMost));
+        constexpr uint64_t kMax = std::numeric_limits<uint32_t>::max();
+        const auto own_ns = static_cast<uint32_t>(std::min(thread_cpu_ns() - begin_ns_, kMax));
         add_to_counter(counters_.ticks, own_ns);
         note(counters_.last_ticks, own_ns);
         if (own_ns > counters_.most_ticks) note(counters_.most_ticks, own_ns);

@@ -13,9 +13,9 @@ struct Pend {
     uint32_t mask;
 };
 
-inline constexpr unsigned kMostLevels = 15;
-inline constexpr unsigned kMostTasksOfLevel = 30;
-inline constexpr uint32_t kTaskBits = (1U << kMostTasksOfLevel) - 1;
+inline constexpr unsigned kMaxLevels = 15;
+inline constexpr unsigned kMaxTasksOfLevel = 30;
+inline constexpr uint32_t kTaskBits = (1U << kMaxTasksOfLevel) - 1;
 // The level runs: whoever pends it need not wake it. A word of 0 means that it sleeps, or is about
 // to, and that the next one to set a bit wakes it.
 inline constexpr uint32_t kAwake = 1U << 30;
@@ -25,9 +25,9 @@ inline constexpr uint32_t kStop = 1U << 31;
 struct alignas(64) PendingWord {
     std::atomic<uint32_t> bits{0};
 };
-extern PendingWord pending_words[kMostLevels];
+extern PendingWord pending_words[kMaxLevels];
 
-// Place of the level that runs in this thread; kMostLevels elsewhere.
+// Place of the level that runs in this thread; kMaxLevels elsewhere.
 extern constinit thread_local unsigned current_level;
 
 // A system call: wakes the thread that sleeps on the word.

@@ -19,10 +19,10 @@ constexpr std::array<Rotor, 4> kIris{{{0.13F, 0.22F, 0.06F},
                                       {0.13F, -0.22F, -0.06F},
                                       {-0.13F, 0.20F, -0.06F}}};
 // In units of one rotor's most thrust: half the sum of all lever arms, and all rotors.
-constexpr float kMostRoll = 0.42F;
-constexpr float kMostPitch = 0.26F;
-constexpr float kMostYaw = 0.12F;
-constexpr float kMostThrust = 4.0F;
+constexpr float kMaxRoll = 0.42F;
+constexpr float kMaxPitch = 0.26F;
+constexpr float kMaxYaw = 0.12F;
+constexpr float kMaxThrust = 4.0F;
 
 class AllocationTest : public ::testing::Test {
   protected:
@@ -63,12 +63,12 @@ class AllocationTest : public ::testing::Test {
             const Rotor& r = kIris[i];
             sum += Vector3<float>(-r.y, r.x, r.moment) * motors_.control[i];
         }
-        return sum.cwiseQuotient(Vector3<float>(kMostRoll, kMostPitch, kMostYaw));
+        return sum.cwiseQuotient(Vector3<float>(kMaxRoll, kMaxPitch, kMaxYaw));
     }
     float thrust() const {
         float sum = 0.0F;
         for (unsigned i = 0; i < 4; ++i) sum += motors_.control[i];
-        return sum / kMostThrust;
+        return sum / kMaxThrust;
     }
     bool all_in_range(unsigned count, float idle = 0.0F) const {
         for (unsigned i = 0; i < count; ++i) {

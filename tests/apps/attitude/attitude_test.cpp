@@ -37,7 +37,7 @@ VehicleOdometry AttitudeRig::seen_now() const {
     return {.timestamp = now_us,
             .timestamp_sample = now_us,
             .position = {},
-            .q = {static_cast<float>(half.cos), 0.0f, 0.0f, static_cast<float>(half.sin)}};
+            .q = {static_cast<float>(half.cos), 0.0F, 0.0F, static_cast<float>(half.sin)}};
 }
 
 bool AttitudeRig::step(const SensorGyro& gyro, const SensorAccel& accel, const SensorMag* mag,
@@ -318,7 +318,7 @@ TEST(Attitude, TakesNoHeadingFromAVerticalNose) {
     const VehicleOdometry seen{.timestamp = rig.now_us,
                                .timestamp_sample = rig.now_us,
                                .position = {},
-                               .q = {0.6f, 0, 0, 0.8f}};  // some other heading
+                               .q = {0.6F, 0, 0, 0.8F}};  // some other heading
     const float nan = std::numeric_limits<float>::quiet_NaN();
     rig.step({.timestamp = rig.now_us, .timestamp_sample = rig.now_us, .xyz = {}},
              {.timestamp = rig.now_us, .timestamp_sample = rig.now_us, .xyz = {nan, 0, 0}}, nullptr,
@@ -347,7 +347,7 @@ TEST(Attitude, LeavesOutSamplesThatAreNoneOrOld) {
     rig.now_us += 1000;
     const SensorGyro gyro{.timestamp = rig.now_us, .timestamp_sample = rig.now_us, .xyz = {}};
     const SensorAccel accel{
-        .timestamp = rig.now_us, .timestamp_sample = rig.now_us, .xyz = {0, 0, -9.8f}};
+        .timestamp = rig.now_us, .timestamp_sample = rig.now_us, .xyz = {0, 0, -9.8F}};
     SensorGyro bad_gyro = gyro;
     bad_gyro.xyz = {nan, 0, 0};
     EXPECT_FALSE(rig.step(bad_gyro, accel));

@@ -13,13 +13,13 @@ namespace {
 using Dense = Eigen::Matrix<double, kStates, kStates>;
 using DenseVector = Eigen::Matrix<double, kStates, 1>;
 
-constexpr float kStep = 0.008f;
-constexpr Covariance::Noise kNoise{.turn = 1e-7f,
-                                   .velocity = 1e-5f,
-                                   .gyro_bias = 1e-11f,
-                                   .accel_bias = 1e-9f,
-                                   .baro_offset = 1e-6f,
-                                   .mag_offset = 1e-8f};
+constexpr float kStep = 0.008F;
+constexpr Covariance::Noise kNoise{.turn = 1e-7F,
+                                   .velocity = 1e-5F,
+                                   .gyro_bias = 1e-11F,
+                                   .accel_bias = 1e-9F,
+                                   .baro_offset = 1e-6F,
+                                   .mag_offset = 1e-8F};
 
 Dense dense(const Covariance& p) {
     Dense result;
@@ -40,8 +40,8 @@ struct Case {
     Vector push_N;
 };
 Case random_case(math::Random& random) {
-    const Quaternion q_NB = math::from_rotation_vector(random_vector(random, 1.0f));
-    return {.R_NB = q_NB.toRotationMatrix(), .push_N = random_vector(random, 10.0f) * kStep};
+    const Quaternion q_NB = math::from_rotation_vector(random_vector(random, 1.0F));
+    return {.R_NB = q_NB.toRotationMatrix(), .push_N = random_vector(random, 10.0F) * kStep};
 }
 
 void dense_predict(Dense& p, const Case& at, double time) {
@@ -65,21 +65,21 @@ void dense_predict(Dense& p, const Case& at, double time) {
 // Everything correlated with everything, by some steps and measurements.
 Covariance random_covariance(math::Random& random) {
     Covariance p;
-    p.reset(kTurn, 3, 0.01f);
-    p.reset(kVelocity, 3, 0.3f);
-    p.reset(kPosition, 3, 2.0f);
-    p.reset(kGyroBias, 3, 1e-4f);
-    p.reset(kAccelBias, 3, 0.04f);
-    p.reset(kBaroOffset, 1, 1.0f);
-    p.reset(kMagOffset, 1, 0.04f);
-    p.loosen(kHeading, kMagOffset, 0.02f);
+    p.reset(kTurn, 3, 0.01F);
+    p.reset(kVelocity, 3, 0.3F);
+    p.reset(kPosition, 3, 2.0F);
+    p.reset(kGyroBias, 3, 1e-4F);
+    p.reset(kAccelBias, 3, 0.04F);
+    p.reset(kBaroOffset, 1, 1.0F);
+    p.reset(kMagOffset, 1, 0.04F);
+    p.loosen(kHeading, kMagOffset, 0.02F);
     for (int step = 0; step < 200; ++step) {
         const Case at = random_case(random);
         p.predict(at.R_NB, at.push_N, kStep, kNoise);
     }
-    const Covariance::Column seen =
-        p.seen({static_cast<ErrorState>(kPosition + 2), -1.0f, kBaroOffset, 1.0f});
-    p.correct(seen, -seen[kPosition + 2] + seen[kBaroOffset] + 0.5f, false);
+    const Covariance::Column cross =
+        p.cross_covariance({static_cast<ErrorState>(kPosition + 2), -1.0F, kBaroOffset, 1.0F});
+    p.correct(cross, -cross[kPosition + 2] + cross[kBaroOffset] + 0.5F, false);
     return p;
 }
 
@@ -110,15 +110,15 @@ TEST(Covariance, PredictsAsTheDenseProduct) {
 // Joseph's form, which is right for any gain.
 TEST(Covariance, CorrectsAsTheDenseProduct) {
     math::Random random(2);
-    const Sight height{static_cast<ErrorState>(kPosition + 2), -1.0f, kBaroOffset, 1.0f};
-    const Sight heading{kHeading, 1.0f, kMagOffset, 1.0f};
+    const ObservationModel height{static_cast<ErrorState>(kPosition + 2), -1.0F, kBaroOffset, 1.0F};
+    const ObservationModel heading{kHeading, 1.0F, kMagOffset, 1.0F};
     for (int run = 0; run < 20; ++run) {
         for (const bool keep_tilt : {false, true}) {
             Covariance p = random_covariance(random);
-            const Sight& sight = keep_tilt ? heading : height;
+            const ObservationModel& model = keep_tilt ? heading : height;
             DenseVector h = DenseVector::Zero();
-            h(sight.first) = static_cast<double>(sight.first_sign);
-            h(sight.second) = static_cast<double>(sight.second_sign);
+            h(model.first) = static_cast<double>(model.first_sign);
+            h(model.second) = static_cast<double>(model.second_sign);
             const double noise = 0.04;
             const Dense before = dense(p);
             const double total = h.dot(before * h) + noise;
@@ -127,7 +127,7 @@ TEST(Covariance, CorrectsAsTheDenseProduct) {
             const Dense keep = Dense::Identity() - gain * h.transpose();
             const Dense expected =
                 keep * before * keep.transpose() + noise * gain * gain.transpose();
-            p.correct(p.seen(sight), static_cast<float>(total), keep_tilt);
+            p.correct(p.cross_covariance(model), static_cast<float>(total), keep_tilt);
             EXPECT_LT(difference(dense(p), expected), 2e-6);
         }
     }
@@ -137,13 +137,13 @@ TEST(Covariance, LooseningLeavesTheSumAsItWas) {
     math::Random random(3);
     Covariance p = random_covariance(random);
     const auto sum = [&p] {
-        return p(kHeading, kHeading) + 2.0f * p(kHeading, kMagOffset) + p(kMagOffset, kMagOffset);
+        return p(kHeading, kHeading) + 2.0F * p(kHeading, kMagOffset) + p(kMagOffset, kMagOffset);
     };
     const float before = sum();
     const float heading = p(kHeading, kHeading);
-    p.loosen(kHeading, kMagOffset, 1.0f);
-    EXPECT_NEAR(sum(), before, 1e-6f);
-    EXPECT_FLOAT_EQ(p(kHeading, kHeading), heading + 1.0f);
+    p.loosen(kHeading, kMagOffset, 1.0F);
+    EXPECT_NEAR(sum(), before, 1e-6F);
+    EXPECT_FLOAT_EQ(p(kHeading, kHeading), heading + 1.0F);
 }
 
 // An hour of flight with every kind of measurement, and a long time without.
@@ -156,11 +156,12 @@ TEST(Covariance, StaysSymmetricAndPositive) {
         const bool alone = step % 50'000 > 40'000;
         const unsigned kind = random.word() % 20;
         if (kind < 6 && !alone) {
-            const Covariance::Column seen = p.seen({static_cast<ErrorState>(kVelocity + kind)});
-            p.correct(seen, seen[kVelocity + kind] + 0.04f, false);
+            const Covariance::Column cross =
+                p.cross_covariance({static_cast<ErrorState>(kVelocity + kind)});
+            p.correct(cross, cross[kVelocity + kind] + 0.04F, false);
         } else if (kind == 6) {
-            const Covariance::Column seen = p.seen({kHeading, 1.0f, kMagOffset, 1.0f});
-            p.correct(seen, seen[kHeading] + seen[kMagOffset] + 0.01f, true);
+            const Covariance::Column cross = p.cross_covariance({kHeading, 1.0F, kMagOffset, 1.0F});
+            p.correct(cross, cross[kHeading] + cross[kMagOffset] + 0.01F, true);
         }
         p.limit();
         if (step % 1000 != 0) continue;

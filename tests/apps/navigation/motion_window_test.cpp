@@ -13,8 +13,8 @@ namespace {
 void expect_near(const Motion& found, const Motion& expected, float tolerance) {
     const Quaternion turned = found.turn.conjugate() * expected.turn;
     EXPECT_LT(math::norm(turned.vec()), tolerance);
-    EXPECT_LT(math::norm(found.velocity - expected.velocity), tolerance * 10.0f);
-    EXPECT_LT(math::norm(found.position - expected.position), tolerance * 10.0f);
+    EXPECT_LT(math::norm(found.velocity - expected.velocity), tolerance * 10.0F);
+    EXPECT_LT(math::norm(found.position - expected.position), tolerance * 10.0F);
     EXPECT_NEAR(found.time, expected.time, tolerance);
 }
 
@@ -26,20 +26,20 @@ Vector random_vector(math::Random& random, float scale) {
 }
 
 Motion random_motion(math::Random& random) {
-    const Vector rate = random_vector(random, 2.0f);
-    return constant_motion(rate, random_vector(random, 10.0f), 0.004f);
+    const Vector rate = random_vector(random, 2.0F);
+    return constant_motion(rate, random_vector(random, 10.0F), 0.004F);
 }
 
 // A body that cones: its axis moves round, no axis of the gyro sees a mean rate but z, where it is
 // (1 - cos a) w (P. Savage, "Strapdown inertial navigation integration algorithm design", JGCD
 // 1998). At 1 kHz and 20 Hz of coning, the sum of the samples would be wrong by that rate.
 TEST(Motion, ComposesWithoutConingError) {
-    constexpr float kAngle = 0.05f;
-    constexpr float kFrequency = 2.0f * math::kPi<float> * 20.0f;
-    constexpr float kPeriod = 0.001f;
+    constexpr float kAngle = 0.05F;
+    constexpr float kFrequency = 2.0F * math::kPi<float> * 20.0F;
+    constexpr float kPeriod = 0.001F;
     const auto attitude = [](float t) {
         const math::SinCos<float> at = math::sincos(kFrequency * t);
-        return math::from_axis_angle(Vector(at.cos, at.sin, 0.0f), kAngle);
+        return math::from_axis_angle(Vector(at.cos, at.sin, 0.0F), kAngle);
     };
     Motion sum;
     Vector plain = Vector::Zero();
@@ -51,26 +51,26 @@ TEST(Motion, ComposesWithoutConingError) {
         sum = sum * constant_motion(angle / kPeriod, Vector::Zero(), kPeriod);
     }
     const float coned = math::abs(plain.z());
-    EXPECT_GT(coned, 0.1f);
-    EXPECT_LT(math::norm(math::to_rotation_vector(sum.turn)), 2e-4f);
+    EXPECT_GT(coned, 0.1F);
+    EXPECT_LT(math::norm(math::to_rotation_vector(sum.turn)), 2e-4F);
 }
 
 // Sculling: the body swings about x as its force along y swings in step; the mean of the product
 // is felt along z.
 TEST(Motion, FeelsSculling) {
     constexpr int kSamples = 1000;
-    constexpr float kSwing = 0.05f;  // rad
-    constexpr float kForce = 5.0f;   // m/s^2
-    const auto phase = [](float i) { return 2.0f * math::kPi<float> * i / 50.0f; };
+    constexpr float kSwing = 0.05F;  // rad
+    constexpr float kForce = 5.0F;   // m/s^2
+    const auto phase = [](float i) { return 2.0F * math::kPi<float> * i / 50.0F; };
     Motion sum;
     for (int i = 0; i < kSamples; ++i) {
         const float at = static_cast<float>(i);
-        const float turned = kSwing * (math::sin(phase(at + 1.0f)) - math::sin(phase(at)));
-        const Vector force(0.0f, kForce * math::sin(phase(at + 0.5f)), 0.0f);
-        sum = sum * constant_motion(Vector(turned * 1000.0f, 0.0f, 0.0f), force, 0.001f);
+        const float turned = kSwing * (math::sin(phase(at + 1.0F)) - math::sin(phase(at)));
+        const Vector force(0.0F, kForce * math::sin(phase(at + 0.5F)), 0.0F);
+        sum = sum * constant_motion(Vector(turned * 1000.0F, 0.0F, 0.0F), force, 0.001F);
     }
     // The mean of kSwing sin kForce sin, over one second.
-    EXPECT_NEAR(sum.velocity.z(), kSwing * kForce / 2.0f, 2e-3f);
+    EXPECT_NEAR(sum.velocity.z(), kSwing * kForce / 2.0F, 2e-3F);
 }
 
 TEST(Motion, BetweenUndoesTheProduct) {
@@ -79,7 +79,7 @@ TEST(Motion, BetweenUndoesTheProduct) {
     Motion b;
     for (int i = 0; i < 100; ++i) a = a * random_motion(random);
     for (int i = 0; i < 100; ++i) b = b * random_motion(random);
-    expect_near(between(a, a * b), b, 1e-5f);
+    expect_near(between(a, a * b), b, 1e-5F);
 }
 
 // Against the plain product of the same steps, with the window run round many times.
@@ -91,21 +91,21 @@ TEST(MotionWindow, KnowsTheWayFromTheHorizonToNow) {
     for (uint64_t i = 1; i <= 2000; ++i) {
         Motion step;
         for (int sample = 0; sample < 2; ++sample) {
-            const Vector rate = random_vector(random, 2.0f);
-            const Vector force = random_vector(random, 10.0f);
-            window.add(rate, force, 0.004f);
-            step = step * constant_motion(rate, force, 0.004f);
+            const Vector rate = random_vector(random, 2.0F);
+            const Vector force = random_vector(random, 10.0F);
+            window.add(rate, force, 0.004F);
+            step = step * constant_motion(rate, force, 0.004F);
         }
-        EXPECT_NEAR(window.open_time(), 0.008f, 1e-6f);
+        EXPECT_NEAR(window.open_time(), 0.008F, 1e-6F);
         steps.push_back(step);
         window.close(i * 8000, {});
         if (steps.size() <= 40 + i % 20) continue;
         EXPECT_EQ(window.step_end_us(), (i + 1 - steps.size()) * 8000);
-        expect_near(window.take().motion, steps.front(), 1e-5f);
+        expect_near(window.take().motion, steps.front(), 1e-5F);
         steps.pop_front();
         Motion ahead;
         for (const Motion& later : steps) ahead = ahead * later;
-        expect_near(window.ahead(), ahead, 2e-5f);
+        expect_near(window.ahead(), ahead, 2e-5F);
     }
 }
 
@@ -113,17 +113,17 @@ TEST(MotionWindow, KnowsTheWayFromTheHorizonToNow) {
 TEST(MotionWindow, SaysWhichBiasWasTakenOff) {
     MotionWindow window;
     window.restart(0, {});
-    const Vector force(1.0f, 2.0f, 3.0f);
+    const Vector force(1.0F, 2.0F, 3.0F);
     for (uint64_t i = 1; i <= 500; ++i) {
         ImuBias bias;
-        bias.accel.x() = static_cast<float>(i) * 0.001f;
-        window.add(Vector::Zero(), force, 0.008f);
+        bias.accel.x() = static_cast<float>(i) * 0.001F;
+        window.add(Vector::Zero(), force, 0.008F);
         window.close(i * 8000, bias);
         if (i < 30) continue;
         const MotionWindow::Step step = window.take();
         const Vector felt = step.motion.velocity / step.motion.time + step.bias.accel;
-        EXPECT_LT(math::norm(felt - force), 1e-4f);
-        EXPECT_GE(step.bias.accel.x(), static_cast<float>(i) * 0.001f - 0.1f);
+        EXPECT_LT(math::norm(felt - force), 1e-4F);
+        EXPECT_GE(step.bias.accel.x(), static_cast<float>(i) * 0.001F - 0.1F);
     }
 }
 
@@ -132,7 +132,7 @@ TEST(MotionWindow, IsFullBeforeItOverwritesAStep) {
     window.restart(0, {});
     uint64_t end_us = 0;
     while (!window.full()) {
-        window.add(Vector::Zero(), Vector::Zero(), 0.008f);
+        window.add(Vector::Zero(), Vector::Zero(), 0.008F);
         window.close(end_us += 8000, {});
     }
     EXPECT_EQ(end_us, 8000 * (MotionWindow::kCapacity - 1));

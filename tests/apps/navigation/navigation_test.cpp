@@ -67,7 +67,7 @@ TEST(Navigation, FindsItsBiases) {
     NavigationRig rig = flying();
     rig.gyro_bias = {0.01, -0.02, 0.015};
     rig.accel_bias = {0.15, -0.1, 0.2};
-    rig.params.accel_bias_uncertainty = 0.2f;  // of an accelerometer that nobody calibrated
+    rig.params.accel_bias_uncertainty = 0.2F;  // of an accelerometer that nobody calibrated
     rig.yaw_rate = 0.3;
     rig.run(180);
     for (int i = 0; i < 3; ++i) {
@@ -120,7 +120,7 @@ TEST(Navigation, LearnsNoHeadingFromNoise) {
     const float before = rig.status.heading_accuracy;
     rig.run(90);
     EXPECT_NEAR(rig.heading_error(), 0, 1 * kDegree);
-    EXPECT_GT(rig.status.heading_accuracy, 0.9f * before);
+    EXPECT_GT(rig.status.heading_accuracy, 0.9F * before);
 }
 
 // In flight, where heading and tilt are correlated; beside the same flight without disturbance.
@@ -159,8 +159,8 @@ TEST(Navigation, TheHorizonItselfHardlyMatters) {
     NavigationRig behind = flying();
     NavigationRig now = flying();
     now.gnss_delay_us = behind.gnss_delay_us = 0;
-    behind.params.fusion_delay = 0.4f;
-    now.params.fusion_delay = 0.0f;
+    behind.params.fusion_delay = 0.4F;
+    now.params.fusion_delay = 0.0F;
     behind.run(60);
     now.run(60);
     EXPECT_NEAR(behind.position.x, now.position.x, 0.3);
@@ -238,10 +238,10 @@ TEST(Navigation, TheOutputDoesNotJump) {
         const VehicleLocalPosition before = rig.position;
         rig.run(0.004);
         const float moved = rig.position.x - before.x;
-        const float expected = 0.002f * (rig.position.vx + before.vx);
+        const float expected = 0.002F * (rig.position.vx + before.vx);
         worst = std::max(worst, std::abs(moved - expected));
     }
-    EXPECT_LT(worst, 0.015f);
+    EXPECT_LT(worst, 0.015F);
 }
 
 TEST(Navigation, BadSamplesAreLeftOut) {
@@ -286,9 +286,9 @@ TEST(Navigation, AFixAfterADroppedOneBeginsAnew) {
                   .latitude_deg = 47.4,
                   .longitude_deg = 8.5,
                   .altitude_msl_m = 500,
-                  .s_variance_m_s = 0.1f,
-                  .eph = 0.5f,
-                  .epv = 2.0f,
+                  .s_variance_m_s = 0.1F,
+                  .eph = 0.5F,
+                  .epv = 2.0F,
                   .fix_type = SensorGps::FixType::kFix3d,
                   .vel_ned_valid = true};
     activate(&fix);

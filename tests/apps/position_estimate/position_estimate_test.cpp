@@ -211,7 +211,7 @@ TEST(PositionEstimate, TurnsTheSpecificForceByTheAttitude) {
     rig.run(2);
     rig.run(5);
     EXPECT_LT(rig.worst_position, 0.001);
-    EXPECT_NEAR(rig.newest.heading, 2.0f, 1e-5f);
+    EXPECT_NEAR(rig.newest.heading, 2.0F, 1e-5F);
 }
 
 // Both in one activation, each in its own, or motion capture beside an attitude seen before.
@@ -227,8 +227,8 @@ TEST(PositionEstimate, WorksWithWhicheverInputActivatesIt) {
             if (way != 0) rig.activate(way == 2, &seen);
         }
         EXPECT_TRUE(rig.all_valid());
-        EXPECT_NEAR(rig.newest.x, 1.0f, 1e-3f);
-        EXPECT_NEAR(rig.newest.z, -3.0f, 1e-3f);
+        EXPECT_NEAR(rig.newest.x, 1.0F, 1e-3F);
+        EXPECT_NEAR(rig.newest.z, -3.0F, 1e-3F);
         EXPECT_EQ(rig.published, way == 0 ? 20U : 19U);
     }
 }
@@ -256,7 +256,7 @@ TEST(PositionEstimate, TakesTheMeanOfTheSamplesBetweenAttitudes) {
     rig.run(2);
     for (int i = 1; i <= 400; ++i) {
         rig.now_us += 1000;
-        const float shake = i % 4 == 0 ? 3.0f : -1.0f;
+        const float shake = i % 4 == 0 ? 3.0F : -1.0F;
         const SensorAccel accel{.timestamp = rig.now_us,
                                 .timestamp_sample = rig.now_us,
                                 .xyz = {shake, 0, -static_cast<float>(kGravity)}};
@@ -319,7 +319,7 @@ TEST(PositionEstimate, BelievesAPlaceThatStaysAnother) {
     rig.capture_error = Vector(2, 0, 0);
     rig.run(1);
     EXPECT_TRUE(rig.all_valid());
-    EXPECT_NEAR(rig.newest.x, 2.0f, 0.001f);
+    EXPECT_NEAR(rig.newest.x, 2.0F, 0.001F);
 }
 
 TEST(PositionEstimate, LeavesOutSamplesThatAreNoneOrOld) {
@@ -332,13 +332,13 @@ TEST(PositionEstimate, LeavesOutSamplesThatAreNoneOrOld) {
     rig.activate(false, &lost);
     const VehicleOdometry old{.timestamp = rig.now_us,
                               .timestamp_sample = rig.now_us - 200'000,
-                              .position = {0.2f, 0, 0},
+                              .position = {0.2F, 0, 0},
                               .q = {1, 0, 0, 0}};
     rig.activate(false, &old);
     rig.now_us += 4000;
     const VehicleAttitude bad{
         .timestamp = rig.now_us, .timestamp_sample = rig.now_us, .q = {kNan, 0, 0, 0}};
-    rig.step(&bad, {.timestamp = rig.now_us, .timestamp_sample = rig.now_us, .xyz = {0, 0, -9.8f}},
+    rig.step(&bad, {.timestamp = rig.now_us, .timestamp_sample = rig.now_us, .xyz = {0, 0, -9.8F}},
              nullptr);
     rig.run(1);
     EXPECT_TRUE(rig.all_valid());

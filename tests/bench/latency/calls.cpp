@@ -7,7 +7,7 @@
 namespace stator {
 
 // No thread runs here.
-PendingWord pending_words[kMostLevels];
+PendingWord pending_words[kMaxLevels];
 constinit thread_local unsigned current_level = 0;
 void wake_level(uint32_t) {}
 void fail(const char*) {

@@ -136,7 +136,7 @@ int main(int count, char** arguments) {
         missed += stator::timers[i].missed;
         releases += stator::timers[i].fires.load();
     }
-    std::printf("{\"activations\": %llu, \"missed\": %llu, \"releases\": %llu, \"cpu_s\": %.6f}\n",
+    std::printf("{\"activations\": %llu, \"missed\": %llu, \"releases\": %llu, \"cpu_s\": %0.6F}\n",
                 activations, missed, releases, cpu_s() - before_s);
     return 0;
 }

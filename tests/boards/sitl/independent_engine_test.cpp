@@ -27,10 +27,10 @@ struct Phase {
     double begin;
     std::array<float, kRotors> control;
 };
-constexpr std::array<Phase, 4> kManoeuvre{{{0.0, {0.7f, 0.7f, 0.7f, 0.7f}},
-                                           {0.3, {0.3f, 0.9f, 0.95f, 0.2f}},
-                                           {0.6, {0.8f, 0.7f, 0.1f, 0.4f}},
-                                           {1.1, {0.2f, 0.1f, 0.5f, 0.6f}}}};
+constexpr std::array<Phase, 4> kManoeuvre{{{0.0, {0.7F, 0.7F, 0.7F, 0.7F}},
+                                           {0.3, {0.3F, 0.9F, 0.95F, 0.2F}},
+                                           {0.6, {0.8F, 0.7F, 0.1F, 0.4F}},
+                                           {1.1, {0.2F, 0.1F, 0.5F, 0.6F}}}};
 
 // The rotor's speed, by the exponentials that solve its lag.
 double rotor_speed(const QuadParameters& quad, unsigned rotor, double time) {

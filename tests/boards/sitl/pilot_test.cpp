@@ -10,7 +10,7 @@ TEST(Pilot, arms_after_a_second_and_leaves_the_sticks_alone) {
     const Pilot pilot;
     EXPECT_FALSE(pilot.frame(999999).arm);
     EXPECT_TRUE(pilot.frame(1000000).arm);
-    EXPECT_EQ(pilot.frame(1000000).throttle, 0.0f);
+    EXPECT_EQ(pilot.frame(1000000).throttle, 0.0F);
     EXPECT_EQ(pilot.frame(1000000).mode_slot, 1U);
 }
 
@@ -21,10 +21,10 @@ TEST(Pilot, follows_a_script) {
                            "\n"
                            "4 0 0 0 0 6 1 1 0  # home"),
               "");
-    EXPECT_EQ(pilot.frame(0).roll, 0.0f);
+    EXPECT_EQ(pilot.frame(0).roll, 0.0F);
     EXPECT_FALSE(pilot.frame(2499999).arm);
-    EXPECT_EQ(pilot.frame(2500000).roll, 0.5f);
-    EXPECT_EQ(pilot.frame(2500000).pitch, -1.0f);
+    EXPECT_EQ(pilot.frame(2500000).roll, 0.5F);
+    EXPECT_EQ(pilot.frame(2500000).pitch, -1.0F);
     EXPECT_EQ(pilot.frame(3999999).mode_slot, 3U);
     EXPECT_TRUE(pilot.frame(4000000).return_home);
     EXPECT_FALSE(pilot.frame(9000000).kill);

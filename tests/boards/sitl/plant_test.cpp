@@ -179,7 +179,7 @@ TEST(Plant, is_carried_along_by_the_wind) {
 TEST(Plant, low_voltage_turns_rotors_slower_and_a_broken_one_lifts_less) {
     Plant plant(QuadParameters{}, in_the_air());
     plant.set_influence({.supply = 0.9});
-    plant.command({1.0f, 1.0f, 1.0f, 1.0f});
+    plant.command({1.0F, 1.0F, 1.0F, 1.0F});
     run(plant, 1.0);
     EXPECT_NEAR(plant.state().rotor_speeds[3], 0.9 * 1100.0, 1e-6);
     QuadState state = in_the_air();
@@ -200,7 +200,7 @@ TEST(Plant, draws_the_power_of_momentum_theory) {
 
 TEST(Plant, motors_lag_by_their_time_constants) {
     Plant plant(QuadParameters{}, in_the_air());
-    plant.command({1.0f, 0.25f, 0.0f, kStopped});
+    plant.command({1.0F, 0.25F, 0.0F, kStopped});
     run(plant, 0.0125, 0.5e-3);
     const double risen = 1.0 - std::exp(-1.0);
     EXPECT_NEAR(plant.state().rotor_speeds[0], 1100.0 * risen, 1e-3);
@@ -214,7 +214,7 @@ TEST(Plant, motors_lag_by_their_time_constants) {
 
 TEST(Plant, commands_beyond_the_most_thrust_are_clamped) {
     Plant plant(QuadParameters{}, in_the_air());
-    plant.command({7.0f, -1.0f, std::numeric_limits<float>::infinity(), 1.0f});
+    plant.command({7.0F, -1.0F, std::numeric_limits<float>::infinity(), 1.0F});
     run(plant, 1.0);
     EXPECT_NEAR(plant.state().rotor_speeds[0], 1100.0, 1e-6);
     EXPECT_EQ(plant.state().rotor_speeds[1], 0.0);
@@ -230,9 +230,9 @@ Vector3 rate_after(const std::array<float, kRotors>& control) {
 }
 
 TEST(Plant, turns_the_way_each_rotor_pushes) {
-    EXPECT_GT(rate_after({0.0f, 0.5f, 0.5f, 0.0f}).x(), 0.1) << "left side up: rolls right";
-    EXPECT_GT(rate_after({0.5f, 0.0f, 0.5f, 0.0f}).y(), 0.1) << "front up: pitches up";
-    EXPECT_GT(rate_after({0.5f, 0.5f, 0.0f, 0.0f}).z(), 0.01) << "counter-clockwise: yaws right";
+    EXPECT_GT(rate_after({0.0F, 0.5F, 0.5F, 0.0F}).x(), 0.1) << "left side up: rolls right";
+    EXPECT_GT(rate_after({0.5F, 0.0F, 0.5F, 0.0F}).y(), 0.1) << "front up: pitches up";
+    EXPECT_GT(rate_after({0.5F, 0.5F, 0.0F, 0.0F}).z(), 0.01) << "counter-clockwise: yaws right";
     // 2 k_T speed^2 k_M / Izz, one time constant of 1 ms after a full step.
     QuadState state = in_the_air();
     state.rotor_speeds << 800.0, 800.0, 0.0, 0.0;
@@ -251,7 +251,7 @@ TEST(Plant, error_falls_with_the_fourth_power_of_the_step) {
         state.rate_B = Vector3(2.0, -3.0, 4.0);
         state.rotor_speeds << 700.0, 750.0, 800.0, 850.0;
         Plant plant(QuadParameters{}, state);
-        plant.command({0.9f, 0.92f, 0.94f, 0.96f});  // all speed up: no change of time constant
+        plant.command({0.9F, 0.92F, 0.94F, 0.96F});  // all speed up: no change of time constant
         run(plant, 0.32, dt);
         return plant.state();
     };
@@ -302,7 +302,7 @@ TEST(Ground, stops_a_slide_by_friction) {
 
 TEST(Ground, holds_against_a_torque_that_friction_can_bear) {
     Plant plant(QuadParameters{}, QuadState{});
-    plant.command({0.4f, 0.4f, 0.0f, 0.0f});  // 0.34 N m of yaw; friction bears about 1.6
+    plant.command({0.4F, 0.4F, 0.0F, 0.0F});  // 0.34 N m of yaw; friction bears about 1.6
     run(plant, 2.0);
     const double yaw = math::heading(plant.state().q_NB);
     run(plant, 10.0);
@@ -322,7 +322,7 @@ TEST(Ground, carries_a_vehicle_on_its_back) {
 
 TEST(Ground, lets_go) {
     Plant plant(QuadParameters{}, QuadState{});
-    plant.command({0.7f, 0.7f, 0.7f, 0.7f});
+    plant.command({0.7F, 0.7F, 0.7F, 0.7F});
     run(plant, 1.0);
     EXPECT_FALSE(plant.is_on_ground());
     EXPECT_LT(plant.state().position_N.z(), -0.5);

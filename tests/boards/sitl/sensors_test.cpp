@@ -109,11 +109,11 @@ TEST(Imu, angle_random_walk_is_that_of_the_noise_density) {
 // An IMU without noise, biases and drift, fine enough to see one of them alone near zero.
 ImuParameters still() {
     ImuParameters parameters;
-    parameters.gyro_noise = 0.0f;
-    parameters.gyro_bias = 0.0f;
+    parameters.gyro_noise = 0.0F;
+    parameters.gyro_bias = 0.0F;
     parameters.gyro_per_degc = 0.0;
     parameters.gyro_instability = 0.0;
-    parameters.gyro_steps = 1e6f;
+    parameters.gyro_steps = 1e6F;
     return parameters;
 }
 
@@ -167,8 +167,8 @@ TEST(Imu, bias_differs_from_seed_to_seed_by_its_deviation) {
     std::vector<Vector3f> gyro;
     std::vector<Vector3f> accel;
     ImuParameters silent;
-    silent.gyro_noise = 0.0f;
-    silent.accel_noise = 0.0f;
+    silent.gyro_noise = 0.0F;
+    silent.accel_noise = 0.0F;
     const Plant plant = at_rest();
     for (std::uint64_t seed = 0; seed < 400; ++seed) {
         const ImuSample sample = Imu(silent, seed).measure(plant);
@@ -231,7 +231,7 @@ TEST(Mocap, sees_position_and_heading_to_the_millimetre) {
     for (unsigned i = 0; i < kSamples; ++i) {
         const MocapSample sample = mocap.measure(plant);
         positions.push_back(sample.position_N);
-        yaws.emplace_back(sample.yaw, 0.0f, 0.0f);
+        yaws.emplace_back(sample.yaw, 0.0F, 0.0F);
     }
     const Statistics position = statistics(positions);
     EXPECT_NEAR((position.mean - state.position_N).norm(), 0.0, 5e-5);
@@ -250,8 +250,8 @@ TEST(Mocap, heading_stays_within_half_a_turn) {
     for (int i = 0; i < 100; ++i) {
         const float yaw = mocap.measure(plant).yaw;
         EXPECT_LE(std::abs(yaw), math::kPi<float>);
-        east_of_south |= yaw > 3.0f;
-        west_of_south |= yaw < -3.0f;
+        east_of_south |= yaw > 3.0F;
+        west_of_south |= yaw < -3.0F;
     }
     EXPECT_TRUE(east_of_south && west_of_south);
 }

@@ -121,7 +121,7 @@ TEST(World, a_broken_propeller_thrusts_less) {
     ASSERT_TRUE(conditions.faults.add({FaultKind::kMotor1, 0.5, 0, 1000000}));
     World world(conditions);
     world.move_to_next_event();
-    world.command_motors(0, all(0.9f));
+    world.command_motors(0, all(0.9F));
     run_until(world, 300000);
     // The front right one: the vehicle rolls right and pitches down.
     EXPECT_GT(world.plant().state().rate_B.x(), 0.5);
@@ -142,12 +142,12 @@ TEST(World, motion_capture_arrives_late_with_the_time_of_its_picture) {
 TEST(World, motion_capture_shows_where_the_vehicle_was_at_the_picture) {
     World world{Conditions{}};
     world.move_to_next_event();
-    world.command_motors(0, all(1.0f));
+    world.command_motors(0, all(1.0F));
     run_until(world, 504000);
     const double z_then = [&] {
         World same{Conditions{}};
         same.move_to_next_event();
-        same.command_motors(0, all(1.0f));
+        same.command_motors(0, all(1.0F));
         run_until(same, 500000);
         return same.plant().state().position_N.z();
     }();
@@ -160,7 +160,7 @@ TEST(World, motion_capture_shows_where_the_vehicle_was_at_the_picture) {
 TEST(World, command_acts_from_its_instant_on) {
     World world{Conditions{}};
     world.move_to_next_event();
-    world.command_motors(300, all(1.0f));
+    world.command_motors(300, all(1.0F));
     world.move_to_next_event();
     // A full battery without load has 12.31 V, where 11.877 V give 1100 rad/s.
     const double expected = 1100.0 * 12.308 / 11.877 * (1.0 - std::exp(-700e-6 / 0.0125));
@@ -171,7 +171,7 @@ TEST(World, flight_is_a_function_of_its_seed) {
     const auto end = [](std::uint64_t seed) {
         World world(Conditions{.seed = seed});
         world.move_to_next_event();
-        world.command_motors(0, all(0.6f));
+        world.command_motors(0, all(0.6F));
         Vector3f sum = Vector3f::Zero();
         while (world.next_event_us() <= 200000) {
             const World::Event event = world.move_to_next_event();
@@ -187,14 +187,14 @@ TEST(World, flight_is_a_function_of_its_seed) {
 TEST(World, sees_a_whole_flight) {
     World world{Conditions{}};
     world.move_to_next_event();
-    world.command_motors(0, all(0.7f));
+    world.command_motors(0, all(0.7F));
     run_until(world, 1000000);
     ASSERT_TRUE(world.watch().take_off_us());
     EXPECT_LT(*world.watch().take_off_us(), 100000U);
     EXPECT_FALSE(world.watch().touchdown());
     const double height = -world.plant().state().position_N.z();
     const double climb_speed = -world.plant().state().velocity_N.z();
-    world.command_motors(1000000, all(0.0f));
+    world.command_motors(1000000, all(0.0F));
     run_until(world, 4000000);
     ASSERT_TRUE(world.watch().touchdown());
     // A fall from the highest point: v^2 = climb speed^2 + 2 g height, less some drag.
@@ -221,7 +221,7 @@ TEST(World, a_varied_vehicle_hears_its_commands_late) {
     const auto first_turn_us = [](std::uint64_t seed) {
         World world(Conditions{.seed = seed, .vary = true});
         world.move_to_next_event();
-        world.command_motors(0, all(1.0f));
+        world.command_motors(0, all(1.0F));
         while (world.plant().state().rotor_speeds[0] == 0.0) world.move_to_next_event();
         return world.plant().time_us();
     };

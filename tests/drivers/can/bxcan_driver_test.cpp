@@ -89,7 +89,7 @@ TEST_F(BxcanDriver, an_urgent_frame_waits_for_the_one_on_the_bus_and_no_longer) 
 
 TEST_F(BxcanDriver, without_anybody_to_acknowledge_frames_are_given_up_and_counted) {
     for (uint8_t i = 0; i < 5; ++i) send(100 + i, i);
-    for (uint64_t t = 0; t < kMostCanWait_us + 10'000; t += 1000) {
+    for (uint64_t t = 0; t < kMaxCanWait_us + 10'000; t += 1000) {
         model.begin_transmission();
         model.fail_transmission(BxcanModel::kAckError);
         step();

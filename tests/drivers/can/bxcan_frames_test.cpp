@@ -106,7 +106,7 @@ TEST_F(Bxcan, no_frame_overtakes_an_aborted_one_of_its_identifier) {
     ASSERT_EQ(send(5, 1), CanSend::kSent);
     ASSERT_EQ(send(5, 2), CanSend::kSent);
     model.begin_transmission();
-    run(kMostCanWait_us + 1);
+    run(kMaxCanWait_us + 1);
     run();
     EXPECT_EQ(taken_back(), std::vector<uint32_t>{2}) << "the first is on its way";
     EXPECT_EQ(send(5, 2), CanSend::kFull);
@@ -120,7 +120,7 @@ TEST_F(Bxcan, several_come_back_the_last_of_an_identifier_first) {
     start();
     ASSERT_EQ(send(5, 1), CanSend::kSent);
     ASSERT_EQ(send(5, 2), CanSend::kSent);
-    run(kMostCanWait_us + 1);
+    run(kMaxCanWait_us + 1);
     run();
     EXPECT_EQ(taken_back(), (std::vector<uint32_t>{2, 1}));
 }
@@ -128,9 +128,9 @@ TEST_F(Bxcan, several_come_back_the_last_of_an_identifier_first) {
 TEST_F(Bxcan, what_is_younger_stays_in_its_mailbox) {
     start();
     ASSERT_EQ(send(6, 1), CanSend::kSent);
-    run(kMostCanWait_us / 2);
+    run(kMaxCanWait_us / 2);
     ASSERT_EQ(send(5, 2), CanSend::kSent);
-    run(kMostCanWait_us / 2 + 1);
+    run(kMaxCanWait_us / 2 + 1);
     run();
     EXPECT_EQ(taken_back(), std::vector<uint32_t>{1});
     EXPECT_EQ(transmit_all(), std::vector<uint32_t>{5});

@@ -66,7 +66,7 @@ TEST_F(Bxcan, a_controller_that_does_not_answer_is_asked_again) {
 
 TEST_F(Bxcan, a_bus_that_is_never_idle_keeps_it_down_and_it_tries_again) {
     for (int i = 0; i < 2; ++i) run();
-    run(BxcanPort<BxcanWire>::kMostLeave_us);
+    run(BxcanPort<BxcanWire>::kMaxLeave_us);
     EXPECT_EQ(counts().io_errors, 0U);
     run();
     EXPECT_EQ(counts().io_errors, 1U);

@@ -148,22 +148,47 @@ TEST_F(Esc, a_controller_speaks_for_itself_only) {
 TEST_F(Esc, impossible_values_and_strangers_are_counted) {
     Status hot = status(0);
     hot.temperature = 5000.0F;
-    Status none = status(0);
-    none.voltage = math::canonical_nan<float>();
+    Status reversed = status(0);
+    reversed.voltage = -1.0F;
     feed(frames_of(hot, 20, now_us, 0));
-    feed(frames_of(none, 20, now_us, 1));
+    feed(frames_of(reversed, 20, now_us, 1));
     feed(frames_of(status(4), 20, now_us, 2));
     feed(frames_of(status(0), 24, now_us, 3));
     EXPECT_EQ(report_now().esc_online_flags, 0);
     EXPECT_EQ(report.rejected, 3U + 3U) << "three transfers, and the stranger's three frames";
 }
 
-TEST_F(Esc, no_field_takes_what_is_no_number_or_infinite) {
+TEST_F(Esc, a_field_that_a_controller_does_not_measure_is_nan_and_the_others_count) {
+    Status report_0 = status(0);
+    report_0.voltage = math::canonical_nan<float>();
+    Status report_1 = status(1);
+    report_1.current = math::canonical_nan<float>();
+    Status report_2 = status(2);
+    report_2.temperature = math::canonical_nan<float>();
+    Status report_3{.rpm = 5000, .esc_index = 3};
+    report_3.voltage = report_3.current = report_3.temperature = math::canonical_nan<float>();
+    feed(frames_of(report_0, 20, now_us));
+    feed(frames_of(report_1, 21, now_us));
+    feed(frames_of(report_2, 22, now_us));
+    feed(frames_of(report_3, 23, now_us));
+    const EscStatus now = report_now();
+    EXPECT_EQ(now.esc_online_flags, 0b1111);
+    EXPECT_EQ(now.rejected, 0U);
+    for (unsigned i = 0; i < 4; ++i) {
+        EXPECT_EQ(now.esc_rpm[i], 5000);
+        EXPECT_EQ(math::is_nan(now.esc_voltage[i]), i == 0 || i == 3);
+        EXPECT_EQ(math::is_nan(now.esc_current[i]), i == 1 || i == 3);
+        EXPECT_EQ(math::is_nan(now.esc_temperature[i]), i == 2 || i == 3);
+    }
+    EXPECT_EQ(now.esc_voltage[1], 12.0F);
+}
+
+TEST_F(Esc, an_infinite_field_is_refused_and_any_nan_is_unknown) {
     using Field = float Status::*;
     uint8_t transfer_id = 0;
     for (const Field field : {&Status::voltage, &Status::current, &Status::temperature}) {
         // Infinite numbers are not sent; so as bits of a frame.
-        for (const uint16_t bits : std::array<uint16_t, 3>{0x7C00, 0xFC00, 0x7E00}) {
+        for (const uint16_t bits : std::array<uint16_t, 2>{0x7C00, 0xFC00}) {
             Status bad = status(0);
             bad.*field = 1.0F;
             auto frames = frames_of(bad, 20, now_us, transfer_id++);
@@ -172,7 +197,16 @@ TEST_F(Esc, no_field_takes_what_is_no_number_or_infinite) {
         }
     }
     EXPECT_EQ(report_now().esc_online_flags, 0);
-    EXPECT_EQ(report.rejected, 9U);
+    EXPECT_EQ(report.rejected, 6U);
+    for (const uint16_t bits : std::array<uint16_t, 4>{0x7E00, 0x7FFF, 0x7C01, 0xFE00}) {
+        Status unknown = status(0);
+        unknown.current = 1.0F;
+        auto frames = frames_of(unknown, 20, now_us, transfer_id++);
+        patch<Status>(frames, dronecan::to_float16(1.0F), bits);
+        feed(frames);
+        EXPECT_TRUE(math::is_nan(report_now().esc_current[0]));
+    }
+    EXPECT_EQ(report.rejected, 6U);
 }
 
 TEST_F(Esc, frames_that_are_none_of_the_protocol_count_for_nothing) {

@@ -16,6 +16,8 @@ namespace {
 using dronecan::equipment::gnss::Auxiliary;
 using dronecan::equipment::gnss::Fix2;
 
+constexpr float kUnknown = math::canonical_nan<float>();
+
 struct Gnss : ::testing::Test {
     uint32_t feed(const std::vector<CanFrame>& frames) {
         uint32_t count = 0;
@@ -83,7 +85,7 @@ TEST_F(Gnss, an_impossible_fix_is_dropped_and_the_next_one_taken) {
     EXPECT_EQ(feed(frames_of(far, 40, 1'000'000, 0)), 0U);
     EXPECT_EQ(node.counters().undecodable, 1U);
     Fix2 wild = fix();
-    wild.ned_velocity[1] = math::canonical_nan<float>();
+    wild.ned_velocity[1] = 1001.0F;
     EXPECT_EQ(feed(frames_of(wild, 40, 1'200'000, 1)), 0U);
     EXPECT_EQ(feed(frames_of(fix(), 40, 1'400'000, 2)), 1U);
 }
@@ -105,18 +107,73 @@ TEST_F(Gnss, each_field_has_its_bounds) {
     EXPECT_FALSE(takes([](Fix2& f) { f.height_msl_mm = -1'000'001; }));
     for (unsigned i = 0; i < 3; ++i) {
         EXPECT_FALSE(takes([&](Fix2& f) { f.ned_velocity[i] = 1000.5F; }));
-        EXPECT_FALSE(takes([&](Fix2& f) { f.ned_velocity[i] = math::canonical_nan<float>(); }));
     }
-    EXPECT_FALSE(takes([](Fix2& f) {
-        f.covariance.assign(std::array{1.0F, 1.0F, 1.0F, 1.0F, math::canonical_nan<float>(), 1.0F});
-    }));
     EXPECT_TRUE(takes([](Fix2& f) {
         f.covariance.assign(std::array{-1.0F, 1.0F, 1.0F, 1.0F, 1.0F, 1.0F});
     }));
     EXPECT_TRUE(math::is_nan(newest.eph)) << "a variance below 0 tells nothing";
-    EXPECT_FALSE(feed(frames_of(Auxiliary{.hdop = math::canonical_nan<float>()}, 40, now_us)));
+    const uint32_t before = node.counters().undecodable;
+    feed(frames_of(Auxiliary{.hdop = -1.0F, .vdop = 1.0F}, 40, now_us));
+    feed(frames_of(Auxiliary{.hdop = 1.0F, .vdop = 1000.5F}, 40, now_us, 1));
+    EXPECT_EQ(node.counters().undecodable, before + 2);
     EXPECT_TRUE(takes([](Fix2&) {}));
-    EXPECT_TRUE(math::is_nan(newest.eph)) << "and neither does a geometry that is no number";
+    EXPECT_TRUE(math::is_nan(newest.eph)) << "and neither does an impossible geometry";
+}
+
+TEST_F(Gnss, a_velocity_that_is_unknown_leaves_the_position) {
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        Fix2 message = fix();
+        message.covariance.assign(std::array{4.0F, 4.0F, 9.0F, 0.25F, 0.25F, 0.25F});
+        message.ned_velocity[axis] = kUnknown;
+        ASSERT_EQ(feed(frames_of(message, 40, 1'000'000, static_cast<uint8_t>(axis))), 1U);
+        EXPECT_EQ(newest.latitude_deg, 47.397742);
+        EXPECT_EQ(newest.eph, 2.0F);
+        EXPECT_FALSE(newest.vel_ned_valid);
+        EXPECT_TRUE(math::is_nan(newest.vel_n_m_s + newest.vel_e_m_s + newest.vel_d_m_s));
+    }
+    EXPECT_EQ(node.counters().undecodable, 0U);
+    ASSERT_EQ(feed(frames_of(fix(), 40, 1'200'000, 3)), 1U);
+    EXPECT_TRUE(newest.vel_ned_valid);
+}
+
+TEST_F(Gnss, a_variance_that_is_unknown_leaves_the_others) {
+    uint8_t transfer_id = 0;
+    const auto with_unknown = [&](std::size_t index) {
+        Fix2 message = fix();
+        std::array variances{4.0F, 4.0F, 9.0F, 0.25F, 0.25F, 0.25F};
+        variances[index] = kUnknown;
+        message.covariance.assign(variances);
+        return feed(frames_of(message, 40, 1'000'000, transfer_id++)) == 1;
+    };
+    ASSERT_TRUE(with_unknown(1));
+    EXPECT_TRUE(math::is_nan(newest.eph));
+    EXPECT_EQ(newest.epv, 3.0F);
+    EXPECT_EQ(newest.s_variance_m_s, 0.5F);
+    ASSERT_TRUE(with_unknown(2));
+    EXPECT_EQ(newest.eph, 2.0F);
+    EXPECT_TRUE(math::is_nan(newest.epv));
+    ASSERT_TRUE(with_unknown(3));
+    EXPECT_EQ(newest.eph, 2.0F);
+    EXPECT_TRUE(math::is_nan(newest.s_variance_m_s));
+    EXPECT_TRUE(newest.vel_ned_valid);
+    ASSERT_TRUE(with_unknown(4)) << "which nothing here reads";
+    EXPECT_EQ(newest.s_variance_m_s, 0.5F);
+    feed(frames_of(Auxiliary{.hdop = 0.75F, .vdop = 1.5F}, 40, 1'000'000));
+    ASSERT_TRUE(with_unknown(0));
+    EXPECT_EQ(newest.eph, 1.5F) << "the geometry tells what the fix does not";
+    EXPECT_EQ(newest.epv, 3.0F);
+}
+
+TEST_F(Gnss, a_geometry_that_knows_one_of_two_gives_that_one) {
+    feed(frames_of(Auxiliary{.hdop = 0.75F, .vdop = kUnknown}, 40, 1'000'000));
+    ASSERT_EQ(feed(frames_of(fix(), 40, 1'000'000)), 1U);
+    EXPECT_EQ(newest.eph, 1.5F);
+    EXPECT_TRUE(math::is_nan(newest.epv));
+    feed(frames_of(Auxiliary{.hdop = kUnknown, .vdop = 1.5F}, 40, 1'200'000, 1));
+    ASSERT_EQ(feed(frames_of(fix(), 40, 1'200'000, 1)), 1U);
+    EXPECT_TRUE(math::is_nan(newest.eph)) << "the newest geometry counts";
+    EXPECT_EQ(newest.epv, 3.0F);
+    EXPECT_EQ(node.counters().undecodable, 0U);
 }
 
 TEST_F(Gnss, a_second_receiver_is_heard_once_the_first_is_silent) {

@@ -36,9 +36,15 @@ struct NodeTest : ::testing::Test {
             stator::testing::Probe request(ports.request, now_us);
             std::optional<stator::testing::Probe<StoredRecord>> store;
             if (has_memory) store.emplace(ports.store, now_us);
+            stator::testing::Probe conflict(ports.conflict, now_us);
+            stator::testing::Probe given(ports.allocation, now_us);
             node.step(ports);
             ++next_record;
             if (store && store->count() != 0) kept = store->newest();
+            stores += store ? store->count() : 0;
+            conflicts += conflict.count();
+            if (conflict.count() != 0) newest_conflict = conflict.newest();
+            if (given.count() != 0) allocated = given.newest();
             answer.tag = 0;
             sent_count += sent.count();
             if (restart) restarts += restart->count();
@@ -68,6 +74,10 @@ struct NodeTest : ::testing::Test {
     uint32_t sent_count = 0;
     uint32_t restarts = 0;
     uint32_t requests = 0;
+    uint32_t stores = 0;
+    uint32_t conflicts = 0;
+    CanNodeConflict newest_conflict{};
+    CanAllocation allocated{};
     ParameterRequest asked{};
     ParameterValue answer{};  // to be read in the next activation; its tag 0: none
     CanFrame newest{};
@@ -186,7 +196,12 @@ struct MemoryTest : NodeTest {
     using Allocation = Allocator::Message;
     using State = NonvolatileStatus::State;
 
-    MemoryTest() { has_memory = true; }
+    // The bus has been heard for the time in which all nodes speak.
+    explicit MemoryTest(bool has_listened = true) {
+        has_memory = true;
+        if (has_listened) run({CanFrame{.timestamp = now_us, .extended = true}}, 500);
+        next_record = 0;
+    }
 
     static Allocator::UniqueId part(uint8_t seed) {
         Allocator::UniqueId id;
@@ -197,19 +212,24 @@ struct MemoryTest : NodeTest {
         return {
             .key = node, .kind = StoredRecord::Kind::kCanNode, .length = 16, .data = part(seed)};
     }
-    // The id that a part is given and that is kept; 0: none.
+    // The id that a part is given; 0: none. It is kept.
     uint32_t ask(uint8_t seed, uint8_t preferred = 0) {
-        kept = {};
+        allocated = {};
         const auto unique_id = part(seed);
         for (unsigned first = 0; first < 16; first += 6) {
             Allocation request{.node_id = preferred, .first_part_of_unique_id = first == 0};
             request.unique_id.assign(std::span(unique_id).subspan(first, first < 12 ? 6 : 4));
             run(frames_of(request, 0, now_us, transfer_id++ % 32U), 3);
         }
-        if (kept.key != 0) {
-            EXPECT_EQ(kept.data, unique_id);
+        if (allocated.node_id != 0) {
+            EXPECT_EQ(allocated.unique_id, unique_id);
         }
-        return kept.key;
+        return allocated.node_id;
+    }
+    // A NodeStatus of another node.
+    void hear(uint8_t source, uint32_t uptime_s) {
+        const dronecan::protocol::NodeStatus status{.uptime_sec = uptime_s};
+        run(frames_of(status, source, now_us, transfer_id++ % 32U), 1);
     }
     uint8_t health() {
         run({}, 500);
@@ -263,9 +283,84 @@ TEST_F(MemoryTest, a_full_table_is_told) {
     memory.state = State::kLoaded;
     params.first_given = 50;
     params.last_given = 50;
+    is_first = true;  // they are new
     EXPECT_EQ(ask(1), 50U);
     EXPECT_EQ(health(), 0);
     EXPECT_EQ(ask(2), 0U);
+    EXPECT_EQ(health(), 1);
+}
+
+struct SilentBus : MemoryTest {
+    SilentBus() : MemoryTest(false) {}
+};
+
+TEST_F(SilentBus, no_id_is_given_before_every_node_had_time_to_speak) {
+    memory.state = State::kLoaded;
+    EXPECT_EQ(ask(1), 0U);
+    hear(60, 0);
+    run({}, 500);
+    EXPECT_NE(ask(1, 60), 60U) << "which is taken";
+    EXPECT_NE(allocated.node_id, 0);
+}
+
+TEST_F(MemoryTest, a_part_whose_id_another_node_uses_gets_another_and_that_is_told) {
+    memory.state = State::kLoaded;
+    const auto given = static_cast<uint8_t>(ask(1));
+    ASSERT_NE(given, 0);
+    hear(given, 5);
+    EXPECT_EQ(ask(1), 0U) << "not yet clear whose it is";
+    hear(given, 6);
+    stores = 0;
+    const uint32_t other = ask(1);
+    EXPECT_NE(other, 0U);
+    EXPECT_NE(other, given);
+    EXPECT_EQ(conflicts, 1U);
+    EXPECT_EQ(newest_conflict.kind, CanNodeConflict::Kind::kPart);
+    EXPECT_EQ(newest_conflict.node_id, given);
+    EXPECT_EQ(newest_conflict.new_node_id, other);
+    EXPECT_EQ(newest_conflict.unique_id, part(1));
+    EXPECT_EQ(health(), 1) << "a warning";
+    // The memory knows both: whose the new one is, and that the old one is nobody's.
+    EXPECT_EQ(stores, 2U);
+    EXPECT_EQ(kept.key, given);
+    EXPECT_EQ(kept.data, Allocator::UniqueId{});
+}
+
+TEST_F(MemoryTest, a_part_that_restarts_has_its_id_again_without_a_warning) {
+    memory.state = State::kLoaded;
+    const auto given = static_cast<uint8_t>(ask(1));
+    hear(given, 0);
+    hear(given, 1);
+    EXPECT_EQ(ask(1), 0U);
+    run({}, 1500);  // 3 s
+    EXPECT_EQ(ask(1), given);
+    hear(given, 0);
+    EXPECT_EQ(conflicts, 0U);
+    EXPECT_EQ(health(), 0);
+}
+
+TEST_F(MemoryTest, a_second_node_of_our_own_id_is_told_once) {
+    memory.state = State::kLoaded;
+    EXPECT_EQ(health(), 0);
+    hear(kOwnId, 100);
+    hear(kOwnId, 101);
+    EXPECT_EQ(conflicts, 1U);
+    EXPECT_EQ(newest_conflict.kind, CanNodeConflict::Kind::kOwn);
+    EXPECT_EQ(newest_conflict.node_id, kOwnId);
+    EXPECT_EQ(health(), 1);
+}
+
+TEST_F(MemoryTest, two_nodes_of_one_id_are_told_once_for_each_id) {
+    memory.state = State::kLoaded;
+    for (const uint8_t id : {uint8_t{60}, uint8_t{61}}) {
+        for (uint32_t i = 0; i < 4; ++i) {
+            hear(id, 1000 + i);
+            hear(id, i);
+        }
+    }
+    EXPECT_EQ(conflicts, 2U);
+    EXPECT_EQ(newest_conflict.kind, CanNodeConflict::Kind::kShared);
+    EXPECT_EQ(newest_conflict.node_id, 61);
     EXPECT_EQ(health(), 1);
 }
 

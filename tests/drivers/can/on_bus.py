@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import signal
 import socket
 import subprocess
+import threading
 import time
 from itertools import pairwise
 from pathlib import Path
@@ -249,6 +251,42 @@ def test_a_part_gets_its_id_again_after_a_restart(start: Callable[[], Link]) -> 
     assert (second["state"], second["records"], second["mended"]) == (1, 2, 0)
 
 
+@contextlib.contextmanager
+def intruder(bus: socket.socket, node: int) -> Iterator[None]:
+    """A node that says how it is, under an id that may be another's."""
+    part, is_over = Part(bus, node), threading.Event()
+
+    def run() -> None:
+        while not is_over.wait(0.2):
+            part.send(uavcan.protocol.NodeStatus(uptime_sec=100))
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        thread.join()
+
+
+def test_a_part_whose_id_another_node_uses_gets_another_and_that_is_told(link: Link) -> None:
+    part = bytes(range(16))
+    with raw_socket() as bus:
+        wait_for_us(bus)
+        given = allocate(bus, part)
+        with intruder(bus, given):
+            commands(bus, 50)
+            other = allocate(bus, part)
+        assert other != given
+        assert allocate(bus, part) == other
+        with intruder(bus, OUR_ID):
+            commands(bus, 50)
+    conflicts = link.stop().get_dataset("can_node_conflict").data
+    rows = zip(conflicts["node_id"], conflicts["kind"], conflicts["new_node_id"], strict=True)
+    part_of_id, own_id = 1, 2  # CanNodeConflict
+    assert list(rows) == [(given, part_of_id, other), (OUR_ID, own_id, 0)]
+
+
 GetSet = uavcan.protocol.param.GetSet
 
 
@@ -333,6 +371,39 @@ def esc_status(index: int) -> Any:
         error_count=index, voltage=12.0, current=3.0, temperature=300.0, rpm=1000 * index,
         power_rating_pct=25, esc_index=index,
     )  # fmt: skip
+
+
+def test_what_controllers_and_a_receiver_do_not_know_is_nan_and_the_rest_counts(link: Link) -> None:
+    fields = ["voltage", "current", "temperature"]
+    with raw_socket() as bus:
+        escs = [Part(bus, 20 + index) for index in range(3)]
+        receiver = Part(bus, 40)
+        fix = uavcan.equipment.gnss.Fix2(
+            longitude_deg_1e8=854559400, latitude_deg_1e8=4739774200, height_msl_mm=488000,
+            ned_velocity=[1.0, -2.0, math.nan], sats_used=14, status=3,
+        )  # fmt: skip
+        for _ in range(6):
+            wait_for_us(bus)
+            for index, esc in enumerate(escs):
+                status = esc_status(index)
+                setattr(status, fields[index], math.nan)
+                esc.send(status)
+            receiver.send(uavcan.equipment.gnss.Auxiliary(hdop=0.8, vdop=math.nan))
+            receiver.send(fix)
+            commands(bus, 5)
+    log = link.stop()
+    status = newest(log, "esc_status")
+    assert (status["esc_online_flags"], status["rejected"]) == (0b0111, 0)
+    assert [status[f"esc_rpm[{i}]"] for i in range(3)] == [0, 1000, 2000]
+    for index, field in enumerate(fields):
+        unknown = [i for i in range(3) if math.isnan(status[f"esc_{field}[{i}]"])]
+        assert unknown == [index], field
+    gps = newest(log, "sensor_gps")
+    assert gps["latitude_deg"] == 47.397742
+    assert gps["eph"] == pytest.approx(0.8 * 2.5, abs=0.01)
+    assert math.isnan(gps["epv"])
+    assert math.isnan(gps["vel_d_m_s"])
+    assert not gps["vel_ned_valid"]
 
 
 def commands(bus: socket.socket, count: int) -> None:

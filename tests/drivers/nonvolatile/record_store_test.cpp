@@ -267,7 +267,7 @@ TEST(RecordStore, a_full_one_refuses_new_records_and_takes_changes) {
     Memory memory;
     {
         Started started(memory);
-        for (uint32_t key = 0; key < Store::kMostRecords; ++key) {
+        for (uint32_t key = 0; key < Store::kMaxRecords; ++key) {
             ASSERT_EQ(started.store.keep(record_of(key, 1)), Store::Keep::kKept);
         }
         EXPECT_EQ(started.store.keep(record_of(1000, 1)), Store::Keep::kFull);

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import fcntl
 import json
+import math
 import select
 import socket
 import struct
@@ -99,7 +100,7 @@ class Controller:
             uavcan.equipment.esc.Status(
                 voltage=motor.voltage,
                 current=motor.current,
-                temperature=310.0,
+                temperature=310.0 if self.index else math.nan,  # which it does not measure
                 rpm=motor.rpm,
                 power_rating_pct=motor.power_rating_pct,
                 esc_index=self.index,

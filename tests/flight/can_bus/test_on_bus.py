@@ -122,7 +122,10 @@ def test_it_flies_through_a_flooded_bus_bus_off_and_an_interface_that_goes_down(
     assert 0 < bench["commands"][0] < bus["frames_tx"]
     assert max(bench["disordered"]) <= bus["tx_lost"], "in order, but for what was lost"
     assert min(bench["reports"]) > 20
-    assert max(flight.topics["esc_status"]["esc_rpm[0]"]) > 5000
+    escs = flight.topics["esc_status"]
+    assert max(escs["esc_rpm[0]"]) > 5000
+    assert np.isnan(escs["esc_temperature[0]"][5:]).all(), "not measured, and no reason to refuse"
+    assert abs(escs["esc_temperature[1]"][-1] - (310.0 - 273.15)) < 0.25
     assert len(flight.topics["sensor_gps"]["timestamp"]) > 0.7 * bench["fixes"] / 2
     assert bench["babbled"] > 500
     assert bench["malformed"] > 5

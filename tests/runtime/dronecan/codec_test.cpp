@@ -52,7 +52,7 @@ void check(const Message& value, const std::vector<uint8_t>& payload,
     const Wanted wanted = want<Message>(1000);
     Receiver<1, Message::kType.most_bytes> receiver({&wanted, 1});
     NodeSet all;
-    all.add_range(0, kMostNodeId);
+    all.add_range(0, kMaxNodeId);
     receiver.allow(all);
     receiver.set_own_id(header.destination);
     for (std::size_t i = 0; i < frames.size(); ++i) {

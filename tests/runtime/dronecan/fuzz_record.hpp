@@ -23,7 +23,7 @@ inline Record record_of(const std::uint8_t* bytes) {
     Record record{.pause_ms = bytes[4]};
     std::memcpy(&record.frame.id, bytes, sizeof record.frame.id);
     record.frame.length = bytes[5] & 0xF;
-    std::memcpy(record.frame.data.data(), bytes + 6, kMostFrameBytes);
+    std::memcpy(record.frame.data.data(), bytes + 6, kMaxFrameBytes);
     return record;
 }
 
@@ -32,7 +32,7 @@ inline void write_record(const Record& record, std::uint8_t* bytes) {
     std::memcpy(bytes, &record.frame.id, sizeof record.frame.id);
     bytes[4] = record.pause_ms;
     bytes[5] = record.frame.length;
-    std::memcpy(bytes + 6, record.frame.data.data(), kMostFrameBytes);
+    std::memcpy(bytes + 6, record.frame.data.data(), kMaxFrameBytes);
 }
 
 }  // namespace stator::dronecan::fuzz

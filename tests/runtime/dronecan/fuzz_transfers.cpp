@@ -95,7 +95,7 @@ void feed(Bus& bus, std::span<const std::uint8_t> input, std::uint64_t& now_us) 
         const Frame& frame = record.frame;
         now_us += 1000 * std::uint64_t{record.pause_ms};
         if (from_id(frame.id).source == kKnownNode) continue;
-        const bool has_tail = frame.length != 0 && frame.length <= kMostFrameBytes;
+        const bool has_tail = frame.length != 0 && frame.length <= kMaxFrameBytes;
         if (has_tail && (frame.data[frame.length - 1U] & Tail::kStart) != 0) ++seen.starts;
         if (bus.accept(frame, now_us)) decode_newest(bus);
     }

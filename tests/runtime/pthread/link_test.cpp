@@ -100,7 +100,7 @@ class Asker {
 
   private:
     int socket_;
-    FrameReader<Link::kMostAnswer> reader_;
+    FrameReader<Link::kMaxAnswer> reader_;
     bool has_ended_ = false;
 };
 

@@ -111,7 +111,7 @@ TEST_F(Ring, the_slots_are_enough_and_all_needed) {
         for (uint32_t i = 0; i < 3; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
     };
     EXPECT_DEATH(publish_some(), "no free slot");
-    current_level = kMostLevels;
+    current_level = kMaxLevels;
 }
 
 // A level keeps what it has read as the newest: its slot is not built in, and reading it again

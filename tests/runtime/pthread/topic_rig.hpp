@@ -13,7 +13,7 @@ inline constexpr Pend kHigh{0, 1};  // of a level that does not run
 
 // True if the ring and the slots agree on who reads what, and nobody does.
 inline bool is_at_rest(const Topic& topic) {
-    std::array<uint32_t, kMostSlots> readers{};  // in the ring's words: not yet noted in the slots
+    std::array<uint32_t, kMaxSlots> readers{};  // in the ring's words: not yet noted in the slots
     unsigned in_ring = 0;
     for (unsigned i = 0; i < topic.depth; ++i) {
         const uint64_t entry = topic.ring[i].word.load();

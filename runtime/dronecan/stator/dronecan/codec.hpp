@@ -26,10 +26,10 @@ struct DataType {
 };
 
 // An array of varying length in storage of fixed size.
-template <class Item, unsigned kMost>
+template <class Item, unsigned kMax>
 struct Array {
-    static constexpr unsigned kCapacity = kMost;
-    std::array<Item, kMost> items{};
+    static constexpr unsigned kCapacity = kMax;
+    std::array<Item, kMax> items{};
     uint16_t count = 0;
 
     // What is beyond the capacity is left out.
@@ -37,7 +37,7 @@ struct Array {
     void assign(const Container& container) {
         count = 0;
         for (const auto& item : container) {
-            if (count < kMost) items[count++] = static_cast<Item>(item);
+            if (count < kMax) items[count++] = static_cast<Item>(item);
         }
     }
     std::span<const Item> view() const { return {items.data(), count}; }

@@ -15,15 +15,15 @@
 
 namespace stator::dronecan {
 
-inline constexpr unsigned kMostFrameBytes = 8;
-inline constexpr uint8_t kMostNodeId = 127;
+inline constexpr unsigned kMaxFrameBytes = 8;
+inline constexpr uint8_t kMaxNodeId = 127;
 inline constexpr uint8_t kTransferIds = 32;
 
 // An extended data frame.
 struct Frame {
     uint32_t id = 0;
     uint8_t length = 0;
-    std::array<uint8_t, kMostFrameBytes> data{};
+    std::array<uint8_t, kMaxFrameBytes> data{};
 
     bool operator==(const Frame&) const = default;
 };

@@ -19,15 +19,15 @@ namespace stator::dronecan {
 class NodeSet {
   public:
     constexpr void add(unsigned node) {
-        if (node <= kMostNodeId) words_[node / 64] |= uint64_t{1} << (node % 64);
+        if (node <= kMaxNodeId) words_[node / 64] |= uint64_t{1} << (node % 64);
     }
     constexpr void add_range(int first, int last) {
-        for (int node = first < 0 ? 0 : first; node <= last && node <= kMostNodeId; ++node) {
+        for (int node = first < 0 ? 0 : first; node <= last && node <= kMaxNodeId; ++node) {
             add(static_cast<unsigned>(node));
         }
     }
     constexpr bool has(unsigned node) const {
-        return node <= kMostNodeId && ((words_[node / 64] >> (node % 64)) & 1) != 0;
+        return node <= kMaxNodeId && ((words_[node / 64] >> (node % 64)) & 1) != 0;
     }
     constexpr unsigned size() const {
         return static_cast<unsigned>(std::popcount(words_[0]) + std::popcount(words_[1]));
@@ -134,8 +134,8 @@ class ReceiverCore {
     uint8_t transfer_id_ = 0;
 };
 
-// `kSessions` pairs of sender and type at a time, `kMostBytes` of payload each.
-template <unsigned kSessions, unsigned kMostBytes>
+// `kSessions` pairs of sender and type at a time, `kMaxBytes` of payload each.
+template <unsigned kSessions, unsigned kMaxBytes>
 class Receiver : public ReceiverCore {
   public:
     explicit Receiver(std::span<const Wanted> wanted) : wanted_(wanted) {}
@@ -149,7 +149,7 @@ class Receiver : public ReceiverCore {
   private:
     std::span<const Wanted> wanted_;
     std::array<Session, kSessions> sessions_{};
-    std::array<uint8_t, std::size_t{kSessions} * kMostBytes> bytes_{};
+    std::array<uint8_t, std::size_t{kSessions} * kMaxBytes> bytes_{};
 };
 
 }  // namespace stator::dronecan

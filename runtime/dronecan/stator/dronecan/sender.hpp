@@ -7,7 +7,7 @@ namespace stator::dronecan {
 
 // Holds one transfer while its frames go out. `begin` a transfer, then take frames until `next`
 // says false: 1 frame for up to 7 bytes, else one for each 7 bytes of payload and checksum.
-template <unsigned kMostBytes>
+template <unsigned kMaxBytes>
 class Sender;
 
 class FrameCutter {
@@ -30,7 +30,7 @@ class FrameCutter {
     bool busy_ = false;
 };
 
-template <unsigned kMostBytes>
+template <unsigned kMaxBytes>
 class Sender : public FrameCutter {
   public:
     Sender() = default;
@@ -40,7 +40,7 @@ class Sender : public FrameCutter {
     // What was not yet sent of an earlier transfer is dropped.
     template <class Message>
     void begin(Header header, uint8_t transfer_id, const Message& message) {
-        static_assert(Message::kType.most_bytes <= kMostBytes);
+        static_assert(Message::kType.most_bytes <= kMaxBytes);
         header.kind = Message::kType.kind;
         header.type_id = Message::kType.id;
         const std::span<uint8_t> payload = std::span(bytes_).subspan(kCrcBytes);
@@ -50,7 +50,7 @@ class Sender : public FrameCutter {
     }
 
   private:
-    std::array<uint8_t, kCrcBytes + kMostBytes> bytes_{};
+    std::array<uint8_t, kCrcBytes + kMaxBytes> bytes_{};
 };
 
 }  // namespace stator::dronecan

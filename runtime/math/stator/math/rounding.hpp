@@ -23,7 +23,7 @@ constexpr Int saturate(T x) {
 // Towards zero, as a floating-point value; exact for all x, keeps the sign of a zero result. From
 // 2^23 (float) or 2^52 (double) on every value is whole.
 inline float trunc(float x) {
-    if (!(abs(x) < 0x1p23f)) return x;
+    if (!(abs(x) < 0x1p23F)) return x;
     return copysign(static_cast<float>(static_cast<std::int32_t>(x)), x);
 }
 

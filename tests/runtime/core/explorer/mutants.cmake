@@ -1,6 +1,6 @@
 # Broken variants of the topic code, each with a topology in which the explorer must find a violation.
-# A mutant whose text is no longer in topic.hpp stops the configuration: write it anew.
-set(topic_header "${CMAKE_SOURCE_DIR}/runtime/core/stator/topic.hpp")
+# A mutant whose text is no longer in one_core_topic.hpp stops the configuration: rewrite the mutant.
+set(topic_header "${CMAKE_SOURCE_DIR}/runtime/core/stator/one_core_topic.hpp")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${topic_header}")
 
 # stator_add_mutant(NAME FROM text TO text [FROM .. TO ..] RUN explorer's arguments)
@@ -9,15 +9,15 @@ function(stator_add_mutant name)
     file(READ "${topic_header}" text)
     string(FIND "${text}" "${arg_FROM}" found)
     if(found EQUAL -1)
-        message(FATAL_ERROR "mutant ${name}: topic.hpp does not contain: ${arg_FROM}")
+        message(FATAL_ERROR "mutant ${name}: one_core_topic.hpp does not contain: ${arg_FROM}")
     endif()
     string(REPLACE "${arg_FROM}" "${arg_TO}" text "${text}")
     set(folder "${CMAKE_CURRENT_BINARY_DIR}/mutants/${name}")
     file(CONFIGURE OUTPUT "${folder}/stator/topic.hpp" CONTENT "${text}" @ONLY)
     add_executable(explorer_${name}
         world.cpp $<TARGET_OBJECTS:explorer_main> $<TARGET_OBJECTS:explorer_search>)
-    target_include_directories(explorer_${name} BEFORE PRIVATE "${folder}")
-    target_link_libraries(explorer_${name} PRIVATE explorer_options)
+    target_include_directories(explorer_${name} PRIVATE "${folder}")
+    target_link_libraries(explorer_${name} PRIVATE explorer_executor)
     add_test(NAME Explorer.kills_${name}
              COMMAND explorer_${name} --expect-violation ${arg_RUN})
     set_tests_properties(Explorer.kills_${name} PROPERTIES TIMEOUT 600)

@@ -48,7 +48,7 @@ class Monitor {
     void look() {
         for (unsigned i = 0; i < kTopics; ++i) read(i);
         std::array<uint8_t, 1100> body;
-        for (unsigned first = 0; first < program.task_count; first += kMostTasksTold) {
+        for (unsigned first = 0; first < program.task_count; first += kMaxTasksTold) {
             Writer out(body.data());
             put_tasks(out, program, clock_us(), first);
         }

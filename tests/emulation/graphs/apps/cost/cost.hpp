@@ -1,8 +1,9 @@
-// Runs the navigation filter's operations and counts their instructions.
+// Runs the navigation filter's operations, and those of geodesy, and counts their instructions.
 #pragma once
 
 #include "../../../../../apps/navigation/filter.hpp"
 #include "cost_ports.hpp"
+#include "stator/geodesy.hpp"
 
 namespace stator {
 
@@ -11,6 +12,8 @@ class Cost {
     void step(CostPorts& ports);
 
   private:
+    void count_geodesy(double run);
+
     Filter filter_;
     MotionWindow window_;
     NavigationParams params_{};
@@ -23,6 +26,9 @@ class Cost {
     uint32_t fuse_two_ = 0;
     uint32_t fuse_heading_ = 0;
     uint32_t output_ = 0;
+    uint32_t frame_ = 0;
+    uint32_t local_ = 0;
+    uint32_t global_ = 0;
 };
 
 }  // namespace stator

@@ -24,7 +24,7 @@ class Gather {
     }
 
   private:
-    float sum_ = 0.0f;
+    float sum_ = 0.0F;
 };
 
 }  // namespace stator

@@ -18,8 +18,8 @@ class Smooth {
     }
 
   private:
-    static constexpr float kGain = 0.125f;
-    float value_ = 0.0f;
+    static constexpr float kGain = 0.125F;
+    float value_ = 0.0F;
 };
 
 }  // namespace stator

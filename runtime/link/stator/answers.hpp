@@ -1,0 +1,110 @@
+// What every executor answers on its link in the same bytes: docs/link.md lists requests and
+// answers.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "stator/link.hpp"
+#include "stator/task.hpp"
+#include "stator/watch.hpp"
+
+namespace stator {
+
+enum class Request : uint8_t { kInfo = 1, kTasks = 2, kSample = 3, kFault = 4 };
+inline constexpr uint8_t kLinkVersion = 1;
+inline constexpr unsigned kMaxTasksTold = 20;      // in an answer
+inline constexpr uint16_t kMaxSampleBytes = 1000;  // told of a sample
+
+// Puts values one behind the other, little-endian, without padding.
+class Writer {
+  public:
+    explicit Writer(uint8_t* at) : begin_(at), at_(at) {}
+    template <class Value>
+    void put(Value value) {
+        put(&value, sizeof value);
+    }
+    void put(const void* bytes, size_t count) {
+        std::memcpy(at_, bytes, count);
+        at_ += count;
+    }
+    void text(const char* text) {
+        const auto count = static_cast<uint8_t>(std::min<size_t>(std::strlen(text), 64));
+        put(count);
+        put(text, count);
+    }
+    size_t count() const { return static_cast<size_t>(at_ - begin_); }
+
+  private:
+    uint8_t* begin_;
+    uint8_t* at_;
+};
+
+// A request and its argument; begins the answer.
+struct Asked {
+    Request kind;
+    unsigned argument;
+};
+inline bool begin_answer(const uint8_t* request, size_t count, Writer& out, Asked& asked) {
+    if (count < 4) return false;
+    asked = {static_cast<Request>(request[0]),
+             static_cast<unsigned>(request[2] | (request[3] << 8))};
+    out.put(request[0]);
+    out.put(request[1]);  // what the asker calls this request
+    return true;
+}
+
+// `cause`: of the last run's end, 0 if it has left no record.
+template <class Program>
+void put_info(Writer& out, const Program& graph, const TickSource& ticks, uint64_t now_us,
+              bool is_safe_mode = false, uint8_t cause = 0) {
+#ifdef STATOR_COUNTERS
+    const uint32_t hz = ticks.hz;
+#else
+    const uint32_t hz = 0;  // nothing is measured
+#endif
+    out.put(kLinkVersion);
+    out.put(static_cast<uint8_t>(is_safe_mode));
+    out.put(cause);
+    out.put(ticks.unit);
+    out.put(ticks.per_unit);
+    out.put(hz);
+    out.put(now_us);
+    out.put(static_cast<uint16_t>(graph.task_count));
+    out.put(static_cast<uint16_t>(graph.topic_count));
+    out.put(graph.graph_hash, 16);
+    out.text(graph.graph);
+    out.text(graph.board);
+}
+
+inline uint32_t missed_life_signs_of(unsigned task, const Watched* rows, unsigned count) {
+    for (unsigned i = 0; i < count; ++i) {
+        if (rows[i].task == task) return rows[i].state->missed;
+    }
+    return 0;
+}
+
+// A task may count meanwhile, so that one figure is of an activation later than another. Relaxed:
+// each is a figure of its own, and nothing is read because of it.
+template <class Program>
+void put_tasks(Writer& out, const Program& graph, uint64_t now_us, unsigned first) {
+    const auto figure = [&out](const uint32_t& counter) {
+        out.put(__atomic_load_n(&counter, __ATOMIC_RELAXED));
+    };
+    out.put(now_us);
+    out.put(static_cast<uint16_t>(first));
+    for (unsigned i = first; i < std::min(first + kMaxTasksTold, graph.task_count); ++i) {
+        const TaskCounters& counters = *graph.tasks[i].counters;
+        figure(counters.activations);
+        figure(counters.lost_samples);
+        figure(counters.ticks);
+        figure(counters.last_ticks);
+        figure(counters.most_ticks);
+        figure(counters.latest_us);
+        out.put(missed_life_signs_of(i, graph.watched, graph.watched_count));
+    }
+}
+
+}  // namespace stator

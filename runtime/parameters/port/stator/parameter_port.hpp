@@ -1,0 +1,76 @@
+// The port of the one node that changes and publishes the parameters of all others.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "stator/parameters.hpp"
+#include "stator/tap.hpp"
+#include "stator/topic.hpp"
+
+namespace stator {
+
+// What counts now is the newest sample of each topic, as nobody else publishes any. Context: the
+// activation it belongs to.
+class ParameterPort {
+  public:
+    ParameterPort() = default;
+    ParameterPort(const ParameterPort&) = delete;
+    ParameterPort& operator=(const ParameterPort&) = delete;
+
+    std::span<const ParameterRow> rows() const {
+        return table_ == nullptr ? std::span<const ParameterRow>()
+                                 : std::span(table_->rows, table_->row_count);
+    }
+
+    // The value that counts now, of one of the rows.
+    ParameterBits value(const ParameterRow& row) const {
+        const Topic& topic = *table_->topics[row.topic].topic;
+        Pin pin;
+        if (!take_latest(topic, 0, pin)) return row.standard;
+        const ParameterBits value = read_parameter(row, sample(topic, pin.slot));
+        release(topic, pin);
+        return value;
+    }
+
+    // Publishes the parameters of the row's node with this one changed, as one sample. Its node
+    // sees it at its next activation; nobody is woken.
+    void publish(const ParameterRow& row, ParameterBits value) {
+        const ParameterTopic& target = table_->topics[row.topic];
+        const Topic& topic = *target.topic;
+        Pin pin;
+        if (!take_latest(topic, 0, pin)) return;  // never: all are published at the start
+        const Loan loaned = loan(topic, target.keep);
+        std::byte* const message = sample(topic, loaned.slot);
+        std::memcpy(message, sample(topic, pin.slot), topic.sample_bytes);
+        release(topic, pin);
+        write_parameter(row, message, value);
+        std::memcpy(message, &now_us_, sizeof now_us_);  // `timestamp` is every message's first
+        Tap tap = taps_.at(row.topic);
+        tap.publishes(message, topic.sample_bytes);
+        tap.published(commit(topic, loaned));
+    }
+
+    // --- for generated wrappers ---
+    void connect(const ParameterTable& table, uint64_t now_us) {
+        table_ = &table;
+        now_us_ = now_us;
+    }
+    // Where the build records: connects the taps.
+    template <class... Parts>
+    void record(Parts&&... parts) {
+        taps_.connect(parts...);
+    }
+
+  private:
+    static std::byte* sample(const Topic& topic, uint32_t slot) {
+        return static_cast<std::byte*>(topic.samples) + size_t{slot} * topic.sample_bytes;
+    }
+
+    const ParameterTable* table_ = nullptr;
+    uint64_t now_us_ = 0;
+    [[no_unique_address]] Taps taps_;
+};
+
+}  // namespace stator

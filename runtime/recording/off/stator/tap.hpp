@@ -1,0 +1,24 @@
+// The taps of a build that does not record: nothing of them is left in the image.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace stator {
+
+inline constexpr bool kRecords = false;
+
+class Tap {
+  public:
+    void takes(uint32_t) {}
+    void notes(uint32_t) {}
+    void publishes(void*, uint32_t) {}
+    void published(uint32_t) {}
+};
+
+class Taps {
+  public:
+    Tap at(size_t) const { return {}; }
+};
+
+}  // namespace stator
