@@ -43,7 +43,9 @@ class Frame:
     @property
     def is_project(self) -> bool:
         """Whether it is of an app, a driver or a board, and not of what they share."""
-        is_found = self.line > 0 and Path(self.file).is_file()  # the sources of libgcc are not installed
+        is_found = (
+            self.line > 0 and Path(self.file).is_file()
+        )  # the sources of libgcc are not installed
         return is_found and not self.file.startswith(_SHARED)
 
 

@@ -58,8 +58,8 @@ def program(plan: Plan) -> ThreadProgram:
 
 
 def depth(plan: Plan, topic: TopicPlan) -> int:
-    """As planned; but a reader that outranks its publisher does not run inside the publication
-    here, so that the burst of one activation is to be held for it, too."""
+    """The planned depth, or the burst of one activation if it is larger: with threads, a reader
+    that outranks its publisher does not run inside the publication."""
     if topic.owner or plan.graph.topics[topic.name].config.depth is not None:
         return topic.depth
     bursts = [

@@ -169,7 +169,7 @@ def pend(plan: Plan, task: Task) -> str:
 
 
 def pends(plan: Plan, woken: list[Task], thinned: list[Task]) -> list[str]:
-    """One entry for each word that subscribers' bits lie in, with the bits that are always set. The
+    """One entry for each pending word of the subscribers, with the bits that are always set. The
     word of the most urgent task comes first."""
     words: dict[int, int] = {}
     for task in sorted((*woken, *thinned), key=lambda task: task.index):
@@ -179,8 +179,8 @@ def pends(plan: Plan, woken: list[Task], thinned: list[Task]) -> list[str]:
 
 
 def _place(plan: Plan, task: Task) -> tuple[int, int]:
-    """Word and bit: among the vectors where these are tasks; in its level where that is a thread;
-    else in one list, in order of urgency."""
+    """Word and bit of a task. Bare metal: its vector. Threads: its place in its level. Else: its
+    place in the order of urgency."""
     if plan.board.executor == "pthread":
         return plan.levels.index(task.level), task.index - task.level_begin
     if plan.board.executor == "cortex_m" and task.vector is not None:
