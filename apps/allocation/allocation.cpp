@@ -1,7 +1,7 @@
 // Control allocation: from torque and thrust to one command for each motor.
 #include "allocation.hpp"
 
-namespace stator {
+namespace stator::apps::allocation {
 
 using math::Vector3;
 
@@ -61,4 +61,4 @@ void Allocation::step(AllocationPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::allocation

@@ -4,7 +4,7 @@
 #include "allocation_ports.hpp"
 #include "rotors.hpp"
 
-namespace stator {
+namespace stator::apps::allocation {
 
 // Runs with every torque setpoint. The motors stop (not a number) unless the status says armed, and
 // if the rotors of the parameters cannot steer. A thrust that is absent, or a component that is not
@@ -18,4 +18,4 @@ class Allocation {
     unsigned count_ = 0;  // 0: the rotors cannot steer
 };
 
-}  // namespace stator
+}  // namespace stator::apps::allocation

@@ -1,7 +1,7 @@
 // Control allocation: pseudo-inverse and desaturation in order of priority.
 #include "rotors.hpp"
 
-namespace stator {
+namespace stator::apps::allocation {
 
 using math::Vector3;
 
@@ -116,4 +116,4 @@ void Rotors::allocate(const Vector3<float>& torque, float thrust, std::span<floa
     }
 }
 
-}  // namespace stator
+}  // namespace stator::apps::allocation

@@ -6,7 +6,7 @@
 
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::allocation {
 
 inline constexpr unsigned kMaxRotors = 12;
 
@@ -57,4 +57,4 @@ class Rotors {
     float highest_ = 1.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::allocation

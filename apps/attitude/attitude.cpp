@@ -1,7 +1,7 @@
 // Attitude estimation: what each sensor's sample does.
 #include "attitude.hpp"
 
-namespace stator {
+namespace stator::apps::attitude {
 
 namespace {
 
@@ -111,4 +111,4 @@ void Attitude::use_magnetometer(const SensorMag& sample, const AttitudeParams& p
     heading_.turn(mag_gain_.next(*dt, params.mag_time_constant, trust) * error);
 }
 
-}  // namespace stator
+}  // namespace stator::apps::attitude

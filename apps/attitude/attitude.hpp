@@ -16,7 +16,7 @@
 #include "inclination.hpp"
 #include "magnetic_field.hpp"
 
-namespace stator {
+namespace stator::apps::attitude {
 
 // Time between samples of one sensor.
 class SampleClock {
@@ -74,4 +74,4 @@ class Attitude {
     bool aligned_ = false;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::attitude

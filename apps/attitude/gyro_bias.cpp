@@ -1,7 +1,7 @@
 // Gyro bias: Kalman filter and detection of rest.
 #include "gyro_bias.hpp"
 
-namespace stator {
+namespace stator::apps::attitude {
 
 namespace {
 
@@ -91,4 +91,4 @@ void GyroBias::correct(const Vector& direction, float innovation, float noise) {
     covariance_ -= spread * spread.transpose() * scale;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::attitude

@@ -10,7 +10,7 @@
 #include "low_pass.hpp"
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::attitude {
 
 class GyroBias {
   public:
@@ -49,4 +49,4 @@ class GyroBias {
     Eigen::Vector4f heading_ = Eigen::Vector4f::Zero();
 };
 
-}  // namespace stator
+}  // namespace stator::apps::attitude

@@ -5,7 +5,7 @@
 #include "low_pass.hpp"
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::attitude {
 
 class Heading {
   public:
@@ -26,4 +26,4 @@ class Heading {
     math::Quaternion<float> q_NT_ = math::Quaternion<float>::Identity();
 };
 
-}  // namespace stator
+}  // namespace stator::apps::attitude

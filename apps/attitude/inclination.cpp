@@ -1,7 +1,7 @@
 // Inclination from the low-passed specific force.
 #include "inclination.hpp"
 
-namespace stator {
+namespace stator::apps::attitude {
 
 Eigen::Vector2f Inclination::correct(float dt, float time_constant) {
     const Vector up(0.0F, 0.0F, -1.0F);
@@ -19,4 +19,4 @@ Eigen::Vector2f Inclination::correct(float dt, float time_constant) {
     return {force_T.y(), -force_T.x()};
 }
 
-}  // namespace stator
+}  // namespace stator::apps::attitude

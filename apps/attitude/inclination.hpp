@@ -9,7 +9,7 @@
 #include "low_pass.hpp"
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::attitude {
 
 class Inclination {
   public:
@@ -42,4 +42,4 @@ class Inclination {
     LowPass<Vector> force_I_;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::attitude

@@ -4,7 +4,7 @@
 
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::attitude {
 
 // How far to move towards each sample, for a first-order low-pass. The first samples, up to the
 // time constant, are averaged instead, so that there is no initial value to forget.
@@ -70,4 +70,4 @@ class LowPass {
     float filled_ = 0.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::attitude

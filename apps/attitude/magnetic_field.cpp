@@ -1,7 +1,7 @@
 // Recognises magnetic disturbances by strength and dip. The rules and times are those of VQF.
 #include "magnetic_field.hpp"
 
-namespace stator {
+namespace stator::apps::attitude {
 
 namespace {
 
@@ -57,4 +57,4 @@ void MagneticField::look_for_another(bool moving, float dt, const AttitudeParams
     if (candidate_s_ >= enough) usual_ = candidate_;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::attitude

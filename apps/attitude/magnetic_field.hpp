@@ -5,7 +5,7 @@
 #include "low_pass.hpp"
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::attitude {
 
 // Compares strength and dip of the field with those it had for long. A field that stays constant
 // while the vehicle moves about is not the disturbance of one place: after a while it is believed.
@@ -31,4 +31,4 @@ class MagneticField {
     float rejected_s_ = 0.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::attitude

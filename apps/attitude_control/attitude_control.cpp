@@ -1,7 +1,7 @@
 // Attitude control: from an attitude setpoint to a body-rate setpoint.
 #include "attitude_control.hpp"
 
-namespace stator {
+namespace stator::apps::attitude_control {
 
 using math::Quaternion;
 using math::Vector3;
@@ -124,4 +124,4 @@ void AttitudeControl::step(AttitudeControlPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::attitude_control

@@ -4,7 +4,7 @@
 #include "attitude_control_ports.hpp"
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::attitude_control {
 
 // A proportional law on the error quaternion that corrects tilt before heading, as thrust follows
 // tilt alone: Brescianini, Hehn, D'Andrea: Nonlinear Quadrocopter Attitude Control, ETH Zurich,
@@ -29,4 +29,4 @@ class AttitudeControl {
     bool has_setpoint_ = false;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::attitude_control

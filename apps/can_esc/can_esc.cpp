@@ -7,7 +7,7 @@
 #include "stator/dronecan/port.hpp"
 #include "stator/scalar.hpp"
 
-namespace stator {
+namespace stator::apps::can_esc {
 
 namespace {
 
@@ -145,4 +145,4 @@ void CanEsc::step(CanEscPorts& ports) {
     ports.report.publish([&] { return report(ports.now); });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::can_esc

@@ -9,7 +9,7 @@
 #include "stator/dronecan/receiver.hpp"
 #include "stator/dronecan/sender.hpp"
 
-namespace stator {
+namespace stator::apps::can_esc {
 
 // Commands go out as they come, one an interval at most, and reports 10 times a second. Without a
 // command, or with one that is too old, every motor is told to stop.
@@ -54,4 +54,4 @@ class CanEsc {
     uint8_t arming_id_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::can_esc

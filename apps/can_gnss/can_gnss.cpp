@@ -9,7 +9,7 @@
 #include "stator/math/quotient.hpp"
 #include "stator/scalar.hpp"
 
-namespace stator {
+namespace stator::apps::can_gnss {
 
 namespace {
 
@@ -148,4 +148,4 @@ void CanGnss::step(CanGnssPorts& ports) {
     while (ports.can.next()) receive(ports);
 }
 
-}  // namespace stator
+}  // namespace stator::apps::can_gnss

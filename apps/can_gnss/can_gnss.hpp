@@ -7,7 +7,7 @@
 #include "dronecan/equipment/gnss/fix2.hpp"
 #include "stator/dronecan/receiver.hpp"
 
-namespace stator {
+namespace stator::apps::can_gnss {
 
 // The first node that is heard is the receiver, until it has been silent for some seconds. A fix
 // with an impossible value is dropped whole, and counted. What the receiver does not know is NaN;
@@ -36,4 +36,4 @@ class CanGnss {
     uint8_t node_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::can_gnss

@@ -5,7 +5,7 @@
 
 #include "stator/elapsed.hpp"
 
-namespace stator {
+namespace stator::apps::commander {
 
 namespace {
 
@@ -204,4 +204,4 @@ void Commander::step(CommanderPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::commander

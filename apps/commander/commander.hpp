@@ -7,7 +7,7 @@
 #include "failsafe.hpp"
 #include "hysteresis.hpp"
 
-namespace stator {
+namespace stator::apps::commander {
 
 // Runs at a fixed period. An input that is absent counts against arming, and in flight as lost. A
 // mode switch counts when it moves, and only if the failsafe table lets that mode go on. After a
@@ -55,4 +55,4 @@ class Commander {
     uint64_t last_us_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::commander

@@ -5,7 +5,7 @@
 
 #include "failsafe_table.hpp"
 
-namespace stator {
+namespace stator::apps::commander {
 
 // A bit per event, as in FailsafeEvent.
 using Events = uint32_t;
@@ -33,4 +33,4 @@ constexpr bool goes_on(VehicleStatus::NavState mode, Events events) {
     return fall_back(mode, events).reason == VehicleStatus::FailsafeEvent::kNone;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::commander

@@ -4,7 +4,7 @@
 
 #include "stator/scalar.hpp"
 
-namespace stator {
+namespace stator::apps::commander {
 
 class Hysteresis {
   public:
@@ -20,4 +20,4 @@ class Hysteresis {
     float for_s_ = 0.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::commander

@@ -5,7 +5,7 @@
 
 #include "stator/dronecan/crc.hpp"
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 
 namespace {
 
@@ -99,4 +99,4 @@ std::optional<Allocator::Message> Allocator::answer(const Message& request, cons
     return answer;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

@@ -18,7 +18,7 @@
 #include "dronecan/protocol/dynamic_node_id/allocation.hpp"
 #include "stator/dronecan/receiver.hpp"
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 
 class Allocator {
   public:
@@ -68,4 +68,4 @@ class Allocator {
     bool is_full_ = false;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

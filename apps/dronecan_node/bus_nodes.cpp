@@ -1,7 +1,7 @@
 // Which nodes are on the bus, by their NodeStatus.
 #include "bus_nodes.hpp"
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 
 namespace {
 
@@ -28,4 +28,4 @@ bool BusNodes::is_online(uint8_t node, uint64_t now_us) const {
     return known.heard_us != 0 && !known.is_off && now_us <= known.heard_us + kOffline_us;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

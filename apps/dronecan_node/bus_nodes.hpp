@@ -6,7 +6,7 @@
 #include "dronecan/protocol/node_status.hpp"
 #include "stator/dronecan/frame.hpp"
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 
 class BusNodes {
   public:
@@ -30,4 +30,4 @@ class BusNodes {
     std::array<Node, dronecan::kMaxNodeId + 1> nodes_{};
 };
 
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

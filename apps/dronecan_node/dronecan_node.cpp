@@ -7,7 +7,7 @@
 #include "get_set.hpp"
 #include "stator/dronecan/port.hpp"
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 
 namespace {
 
@@ -250,4 +250,4 @@ void DronecanNode::step(DronecanNodePorts& ports) {
     send_waiting(ports);
 }
 
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

@@ -11,7 +11,7 @@
 #include "stator/dronecan/receiver.hpp"
 #include "stator/dronecan/sender.hpp"
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 
 // Sends at most 4 frames in each activation, by a timer, so that a long answer leaves room on
 // the bus. One answer at a time, and one question about a parameter: a request that comes meanwhile
@@ -82,4 +82,4 @@ class DronecanNode {
     uint8_t allocation_id_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

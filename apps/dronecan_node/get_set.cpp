@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 
 namespace {
 
@@ -75,4 +75,4 @@ GetSet::Response to_response(const ParameterValue& value) {
     return response;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

@@ -4,7 +4,7 @@
 #include "dronecan/protocol/param/get_set.hpp"
 #include "dronecan_node_ports.hpp"
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 
 // Without `may_write`, and if the value fits no type of ours, it asks for the value only: the
 // protocol's answer has what counts in either case, and no word for a refusal.
@@ -14,4 +14,4 @@ ParameterRequest to_request(const dronecan::protocol::param::GetSet::Request& re
 // Empty for a parameter that there is not.
 dronecan::protocol::param::GetSet::Response to_response(const ParameterValue& value);
 
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

@@ -4,7 +4,7 @@
 #include "stator/elapsed.hpp"
 #include "stator/scalar.hpp"
 
-namespace stator {
+namespace stator::apps::land_detector {
 
 namespace {
 
@@ -68,4 +68,4 @@ void LandDetector::step(LandDetectorPorts& ports) {
     ports.land.publish([&] { return VehicleLandDetected{.landed = has_landed_}; });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::land_detector

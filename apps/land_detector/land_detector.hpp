@@ -5,7 +5,7 @@
 
 #include "land_detector_ports.hpp"
 
-namespace stator {
+namespace stator::apps::land_detector {
 
 // Runs with every estimate. It has landed while disarmed, and armed until it is above where it was
 // armed, or moves up or down. In flight it has landed when for a while it is told to sink, does not
@@ -29,4 +29,4 @@ class LandDetector {
     uint64_t last_us_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::land_detector

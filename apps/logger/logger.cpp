@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstring>
 
-namespace stator {
+namespace stator::apps::logger {
 
 namespace {
 
@@ -231,4 +231,4 @@ void Logger::flush(LoggerPorts& ports) {
     used_ = 0;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::logger

@@ -8,7 +8,7 @@
 
 #include "logger_ports.hpp"
 
-namespace stator {
+namespace stator::apps::logger {
 
 // Collects log messages into blocks and publishes each block when it is full; what is left is
 // published when time has come to flush it. An activation publishes at most `kMaxBlocks`, the
@@ -69,4 +69,4 @@ class Logger {
     std::byte block_[kBlockBytes]{};
 };
 
-}  // namespace stator
+}  // namespace stator::apps::logger

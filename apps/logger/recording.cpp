@@ -6,7 +6,7 @@
 #include "logger.hpp"
 #include "stator/crc32.hpp"
 
-namespace stator {
+namespace stator::apps::logger {
 
 namespace {
 
@@ -73,4 +73,4 @@ void Logger::check_block() {
     checked_ = used_;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::logger

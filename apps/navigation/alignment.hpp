@@ -3,7 +3,7 @@
 
 #include "filter.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 class Alignment {
   public:
@@ -37,4 +37,4 @@ class Alignment {
     float time_ = 0.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

@@ -2,7 +2,7 @@
 // the bit, because only one triangle is computed and the other one copied.
 #include "covariance.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 namespace {
 
@@ -160,4 +160,4 @@ void Covariance::limit() {
     }
 }
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

@@ -10,7 +10,7 @@
 
 #include "motion.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 enum ErrorState : unsigned {
     kTurn = 0,
@@ -82,4 +82,4 @@ class Covariance {
     std::array<Column, kStates> p_{};
 };
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

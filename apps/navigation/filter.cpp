@@ -1,7 +1,7 @@
 // The error-state Kalman filter.
 #include "filter.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 namespace {
 
@@ -171,4 +171,4 @@ void Filter::shift_mag_offset(float change, float variance) {
     covariance_.limit();
 }
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

@@ -5,7 +5,7 @@
 #include "motion_window.hpp"
 #include "navigation_ports.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 inline constexpr float kGravity = 9.80665F;  // m/s^2, standard
 
@@ -74,4 +74,4 @@ class Filter {
     uint64_t time_us_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

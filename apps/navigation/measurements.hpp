@@ -6,7 +6,7 @@
 
 #include "motion.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 struct GnssMeasurement {
     uint64_t time_us = 0;
@@ -92,4 +92,4 @@ class Aid {
     bool refusing_ = false;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

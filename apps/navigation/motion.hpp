@@ -11,7 +11,7 @@
 
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 using Vector = math::Vector3<float>;
 using Quaternion = math::Quaternion<float>;
@@ -51,4 +51,4 @@ inline Motion constant_motion(const Vector& rate_B, const Vector& force_B, float
             .time = time};
 }
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

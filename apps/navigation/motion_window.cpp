@@ -1,7 +1,7 @@
 // The motions between the filter's horizon and now.
 #include "motion_window.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 void MotionWindow::restart(uint64_t now_us, const ImuBias& bias) {
     horizon_ = newest_ = anchor_ = 0;
@@ -36,4 +36,4 @@ Motion MotionWindow::ahead() const {
     return between(at(horizon_).since_anchor, at(anchor_).since_anchor) * now_;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

@@ -10,7 +10,7 @@
 
 #include "motion.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 struct ImuBias {
     Vector gyro = Vector::Zero();   // rad/s
@@ -69,4 +69,4 @@ class MotionWindow {
     uint32_t anchor_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

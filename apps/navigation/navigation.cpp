@@ -1,7 +1,7 @@
 // Navigation: what comes in, and what an activation does.
 #include "navigation.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 namespace {
 
@@ -154,4 +154,4 @@ void Navigation::read_mag(const SensorMag& sample) {
     if (!mag_.push({sample.timestamp_sample, field_B})) ++late_;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

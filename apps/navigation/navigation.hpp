@@ -14,7 +14,7 @@
 #include "measurements.hpp"
 #include "stator/geodesy.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 class Navigation {
   public:
@@ -116,4 +116,4 @@ class Navigation {
     EstimatorStatus ratios_{};
 };
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

@@ -3,7 +3,7 @@
 
 #include "navigation.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 namespace {
 
@@ -241,4 +241,4 @@ bool Navigation::fuse_rest(const NavigationParams& params) {
     return true;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

@@ -1,7 +1,7 @@
 // Navigation: the estimate as others see it.
 #include "navigation.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 
 namespace {
 
@@ -118,4 +118,4 @@ void Navigation::publish_state(NavigationPorts& ports) const {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

@@ -3,7 +3,7 @@
 
 #include "stator/elapsed.hpp"
 
-namespace stator {
+namespace stator::apps::navigator {
 
 using math::Vector3;
 
@@ -234,4 +234,4 @@ void Navigator::step(NavigatorPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::navigator

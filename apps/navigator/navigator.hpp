@@ -6,7 +6,7 @@
 #include "navigator_ports.hpp"
 #include "route.hpp"
 
-namespace stator {
+namespace stator::apps::navigator {
 
 // Runs at a fixed period. A mode that begins makes its first goal; each goal that is reached makes
 // the next one, until the result says finished. A mission that was left goes on where it was left.
@@ -53,4 +53,4 @@ class Navigator {
     uint64_t last_us_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::navigator

@@ -3,7 +3,7 @@
 
 #include "stator/geodesy.hpp"
 
-namespace stator {
+namespace stator::apps::navigator {
 
 namespace {
 
@@ -85,4 +85,4 @@ bool is_flyable(const Mission& mission, const Eigen::Vector2f& origin_N,
     return true;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::navigator

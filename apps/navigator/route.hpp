@@ -5,7 +5,7 @@
 #include "messages/vehicle_local_position.hpp"
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::navigator {
 
 // As commands of MAVLink, common.xml.
 enum class ItemKind : uint8_t {
@@ -38,4 +38,4 @@ Item item_at(const Mission& mission, unsigned index, const Eigen::Vector2f& orig
 bool is_flyable(const Mission& mission, const Eigen::Vector2f& origin_N,
                 const Eigen::Vector2f& home_N, float farthest);
 
-}  // namespace stator
+}  // namespace stator::apps::navigator

@@ -7,7 +7,7 @@
 
 #include "stator/math/bits.hpp"
 
-namespace stator {
+namespace stator::apps::parameters {
 
 namespace {
 
@@ -107,4 +107,4 @@ void Parameters::step(ParametersPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::parameters

@@ -3,7 +3,7 @@
 
 #include "parameters_ports.hpp"
 
-namespace stator {
+namespace stator::apps::parameters {
 
 // Answers each request with the value that counts from then on. A change is one publication of all
 // parameters of the node whose parameter it is, before the answer. A value that is not of the
@@ -13,4 +13,4 @@ class Parameters {
     void step(ParametersPorts& ports);
 };
 
-}  // namespace stator
+}  // namespace stator::apps::parameters

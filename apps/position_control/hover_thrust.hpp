@@ -3,7 +3,7 @@
 
 #include "stator/scalar.hpp"
 
-namespace stator {
+namespace stator::apps::position_control {
 
 //     v' = g * (1 - thrust / hover)     v downwards, thrust upwards
 //
@@ -42,4 +42,4 @@ class HoverThrust {
     bool has_velocity_ = false;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::position_control

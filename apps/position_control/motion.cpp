@@ -1,7 +1,7 @@
 // Position and velocity control of a point mass.
 #include "motion.hpp"
 
-namespace stator {
+namespace stator::apps::position_control {
 
 using math::Vector3;
 
@@ -112,4 +112,4 @@ Vector3<float> Motion::update(const MotionEstimate& estimate, const TrajectorySe
     return thrust_N;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::position_control

@@ -4,7 +4,7 @@
 #include "messages/trajectory_setpoint.hpp"
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::position_control {
 
 // Per axis of N: north, east, down.
 struct MotionGains {
@@ -68,4 +68,4 @@ class Motion {
         math::Vector3<float>::Constant(math::canonical_nan<float>());
 };
 
-}  // namespace stator
+}  // namespace stator::apps::position_control

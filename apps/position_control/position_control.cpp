@@ -3,7 +3,7 @@
 
 #include "stator/elapsed.hpp"
 
-namespace stator {
+namespace stator::apps::position_control {
 
 using math::Quaternion;
 using math::Vector3;
@@ -157,4 +157,4 @@ void PositionControl::step(PositionControlPorts& ports) {
     publish_attitude(ports, thrust_N_, yaw, yaw_rate);
 }
 
-}  // namespace stator
+}  // namespace stator::apps::position_control

@@ -7,7 +7,7 @@
 #include "motion.hpp"
 #include "position_control_ports.hpp"
 
-namespace stator {
+namespace stator::apps::position_control {
 
 // Runs with every position estimate. Disarmed, without a status, and on the ground until it is
 // to climb, it wants level and no thrust, or very little. While the pilot's sticks are the attitude
@@ -35,4 +35,4 @@ class PositionControl {
     uint64_t last_position_us_ = 0;  // `now` of the latest position
 };
 
-}  // namespace stator
+}  // namespace stator::apps::position_control

@@ -1,7 +1,7 @@
 // Position and velocity of a point.
 #include "motion_filter.hpp"
 
-namespace stator {
+namespace stator::apps::position_estimate {
 
 namespace {
 
@@ -36,4 +36,4 @@ void MotionFilter::correct(const Vector& innovation, float dt, float bandwidth,
     error_ -= innovation * (w * w * w_e * dt);
 }
 
-}  // namespace stator
+}  // namespace stator::apps::position_estimate

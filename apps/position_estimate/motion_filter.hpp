@@ -14,7 +14,7 @@
 
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::position_estimate {
 
 class MotionFilter {
   public:
@@ -39,4 +39,4 @@ class MotionFilter {
     Vector error_ = Vector::Zero();
 };
 
-}  // namespace stator
+}  // namespace stator::apps::position_estimate

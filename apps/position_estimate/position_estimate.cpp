@@ -1,7 +1,7 @@
 // Position estimation: what each input does, and what is valid when.
 #include "position_estimate.hpp"
 
-namespace stator {
+namespace stator::apps::position_estimate {
 
 namespace {
 
@@ -116,4 +116,4 @@ VehicleLocalPosition PositionEstimate::estimate(const PositionEstimateParams& pa
             .v_z_valid = has_velocity};
 }
 
-}  // namespace stator
+}  // namespace stator::apps::position_estimate

@@ -4,7 +4,7 @@
 #include "motion_filter.hpp"
 #include "position_estimate_ports.hpp"
 
-namespace stator {
+namespace stator::apps::position_estimate {
 
 class PositionEstimate {
   public:
@@ -46,4 +46,4 @@ class PositionEstimate {
     float heading_ = 0.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::position_estimate

@@ -3,7 +3,7 @@
 
 #include "stator/elapsed.hpp"
 
-namespace stator {
+namespace stator::apps::rate_control {
 
 using math::Vector3;
 
@@ -71,4 +71,4 @@ void RateControl::step(RateControlPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::rate_control

@@ -6,7 +6,7 @@
 #include "rate_control_ports.hpp"
 #include "rate_pid.hpp"
 
-namespace stator {
+namespace stator::apps::rate_control {
 
 // Runs with every gyro sample. Before the first setpoint it wants neither torque nor thrust; a
 // setpoint that is absent later reads as no rotation at the last thrust. A gyro sample that is not
@@ -26,4 +26,4 @@ class RateControl {
     uint64_t last_sample_us_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::rate_control

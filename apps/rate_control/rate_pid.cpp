@@ -1,7 +1,7 @@
 // PID control of the three body rates.
 #include "rate_pid.hpp"
 
-namespace stator {
+namespace stator::apps::rate_control {
 
 using math::Vector3;
 
@@ -45,4 +45,4 @@ Vector3<float> RatePid::update(const Vector3<float>& rate, const Vector3<float>&
     return torque;
 }
 
-}  // namespace stator
+}  // namespace stator::apps::rate_control

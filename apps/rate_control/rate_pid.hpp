@@ -3,7 +3,7 @@
 
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::rate_control {
 
 // Per axis x, y, z of B. Torque is a share of the most that the motors make about the axis.
 struct RateGains {
@@ -38,4 +38,4 @@ class RatePid {
     bool started_ = false;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::rate_control

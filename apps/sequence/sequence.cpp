@@ -5,7 +5,7 @@
 
 #include "stator/elapsed.hpp"
 
-namespace stator {
+namespace stator::apps::sequence {
 
 using math::Vector3;
 
@@ -215,4 +215,4 @@ void Sequence::step(SequencePorts& ports) {
     ports.status.publish([&] { return status(); });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::sequence

@@ -7,7 +7,7 @@
 #include "sequence_ports.hpp"
 #include "straight_leg.hpp"
 
-namespace stator {
+namespace stator::apps::sequence {
 
 // Runs at a fixed period. Waits for a position, and for all motor controllers, before it arms.
 // Where one of these goes on the ground it disarms and waits again; in flight it lands: straight
@@ -61,4 +61,4 @@ class Sequence {
     uint64_t last_us_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::sequence

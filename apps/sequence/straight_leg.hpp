@@ -3,7 +3,7 @@
 
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::sequence {
 
 // The speed rises at the acceleration, is capped, and falls so that after each step of dt the rest
 // is just enough to brake: speed * dt + speed^2 / (2 * acceleration) = rest.
@@ -48,4 +48,4 @@ class StraightLeg {
     float acceleration_ = 0.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::sequence

@@ -1,7 +1,7 @@
 // Stops, legs and their sum.
 #include "motion_plan.hpp"
 
-namespace stator {
+namespace stator::apps::trajectory {
 
 using math::Vector3;
 
@@ -97,4 +97,4 @@ PathState MotionPlan::at(float time) const {
             stopping.acceleration + going.acceleration};
 }
 
-}  // namespace stator
+}  // namespace stator::apps::trajectory

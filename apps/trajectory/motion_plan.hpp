@@ -5,7 +5,7 @@
 #include "profile.hpp"
 #include "stator/rotation.hpp"
 
-namespace stator {
+namespace stator::apps::trajectory {
 
 struct PathState {
     math::Vector3<float> position = math::Vector3<float>::Zero();
@@ -73,4 +73,4 @@ class MotionPlan {
     float leg_start_ = 0.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::trajectory

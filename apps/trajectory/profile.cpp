@@ -3,7 +3,7 @@
 
 #include "stator/scalar.hpp"
 
-namespace stator {
+namespace stator::apps::trajectory {
 
 namespace {
 
@@ -64,4 +64,4 @@ Along Profile::at(float time) const {
     return {length_ - mirrored.distance, mirrored.speed, -mirrored.acceleration};
 }
 
-}  // namespace stator
+}  // namespace stator::apps::trajectory

@@ -3,7 +3,7 @@
 // Robots, 2008, section 3.4, with equal limits both ways.
 #pragma once
 
-namespace stator {
+namespace stator::apps::trajectory {
 
 struct ProfileLimits {
     float speed;
@@ -52,4 +52,4 @@ class Profile {
     float duration_ = 0.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::trajectory

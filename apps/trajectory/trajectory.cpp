@@ -3,7 +3,7 @@
 
 #include "stator/elapsed.hpp"
 
-namespace stator {
+namespace stator::apps::trajectory {
 
 using math::Vector3;
 
@@ -220,4 +220,4 @@ void Trajectory::step(TrajectoryPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::trajectory

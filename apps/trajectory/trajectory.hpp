@@ -6,7 +6,7 @@
 #include "motion_plan.hpp"
 #include "trajectory_ports.hpp"
 
-namespace stator {
+namespace stator::apps::trajectory {
 
 // Runs at a fixed period. While disarmed, and in modes that do without it, it follows the estimate
 // and leaves every component of the setpoint free. Another goal begins where the setpoint is, so
@@ -40,4 +40,4 @@ class Trajectory {
     uint64_t last_us_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::trajectory

@@ -12,6 +12,8 @@ namespace stator::board {
 
 namespace {
 
+namespace bxcan = drivers::can::bxcan;
+
 constexpr uint32_t kCrystal_mhz = 24;
 constexpr uint32_t kWatchdog_ms = 500;  // nominal: 340 to 940, ten turns of the monitor and more
 constexpr stm32f4::MicrosecondTimer kTimer;
@@ -42,8 +44,8 @@ bool take_can1(uint32_t interrupts) {
 
 }  // namespace
 
-CanBxcan::Device can1{.base = kCan1, .clock_hz = stm32f4::kApb1Clock_hz, .bit_rate = 1'000'000};
-SystemBoard::Device system0{.restart = restart};
+drivers::can::bxcan::CanBxcan::Device can1{.base = kCan1, .clock_hz = stm32f4::kApb1Clock_hz, .bit_rate = 1'000'000};
+drivers::system::board::SystemBoard::Device system0{.restart = restart};
 
 // Low: no pulse. A speed controller that sees none stops its motor.
 void make_safe() {

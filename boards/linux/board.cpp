@@ -3,25 +3,25 @@
 
 namespace stator::board {
 
-ImuSim::Device imu0;
+drivers::imu::sim::ImuSim::Device imu0;
 Line imu0_data_ready;
-MocapSim::Device mocap0;
+drivers::mocap::sim::MocapSim::Device mocap0;
 Line mocap0_received;
-MotorSim::Device motors;
-MagSim::Device mag0;
+drivers::motor::sim::MotorSim::Device motors;
+drivers::mag::sim::MagSim::Device mag0;
 Line mag0_data_ready;
-BaroSim::Device baro0;
-GnssSim::Device gnss0;
+drivers::baro::sim::BaroSim::Device baro0;
+drivers::gnss::sim::GnssSim::Device gnss0;
 Line gnss0_received;
-RadioSim::Device radio0;
+drivers::radio::sim::RadioSim::Device radio0;
 Line radio0_received;
-BatterySim::Device battery0;
-CanSocketcan::Device can1;
+drivers::battery::sim::BatterySim::Device battery0;
+drivers::can::socketcan::CanSocketcan::Device can1;
 Line can1_received;
 Line can1_sent;
 Line can1_changed;
-NonvolatileFile::Device nonvolatile0;
-SystemBoard::Device system0{.restart = stop};
-StorageFile::Device log_storage;
+drivers::nonvolatile::file::NonvolatileFile::Device nonvolatile0;
+drivers::system::board::SystemBoard::Device system0{.restart = stop};
+drivers::storage::file::StorageFile::Device log_storage;
 
 }  // namespace stator::board

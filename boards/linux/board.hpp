@@ -1,41 +1,41 @@
 // What the generated graph connects to: the devices of this board and their lines.
 #pragma once
 
-#include "baro_sim.hpp"
-#include "battery_sim.hpp"
-#include "can_socketcan.hpp"
-#include "gnss_sim.hpp"
-#include "imu_sim.hpp"
-#include "mag_sim.hpp"
-#include "mocap_sim.hpp"
-#include "motor_sim.hpp"
-#include "nonvolatile_file.hpp"
-#include "radio_sim.hpp"
+#include "drivers/baro/sim/baro_sim.hpp"
+#include "drivers/battery/sim/battery_sim.hpp"
+#include "drivers/can/socketcan/can_socketcan.hpp"
+#include "drivers/gnss/sim/gnss_sim.hpp"
+#include "drivers/imu/sim/imu_sim.hpp"
+#include "drivers/mag/sim/mag_sim.hpp"
+#include "drivers/mocap/sim/mocap_sim.hpp"
+#include "drivers/motor/sim/motor_sim.hpp"
+#include "drivers/nonvolatile/file/nonvolatile_file.hpp"
+#include "drivers/radio/sim/radio_sim.hpp"
 #include "stator/pthread.hpp"
-#include "storage_file.hpp"
-#include "system_board.hpp"
+#include "drivers/storage/file/storage_file.hpp"
+#include "drivers/system/board/system_board.hpp"
 
 namespace stator::board {
 
-extern ImuSim::Device imu0;
+extern drivers::imu::sim::ImuSim::Device imu0;
 extern Line imu0_data_ready;
-extern MocapSim::Device mocap0;
+extern drivers::mocap::sim::MocapSim::Device mocap0;
 extern Line mocap0_received;
-extern MotorSim::Device motors;
-extern MagSim::Device mag0;
+extern drivers::motor::sim::MotorSim::Device motors;
+extern drivers::mag::sim::MagSim::Device mag0;
 extern Line mag0_data_ready;
-extern BaroSim::Device baro0;
-extern GnssSim::Device gnss0;
+extern drivers::baro::sim::BaroSim::Device baro0;
+extern drivers::gnss::sim::GnssSim::Device gnss0;
 extern Line gnss0_received;
-extern RadioSim::Device radio0;
+extern drivers::radio::sim::RadioSim::Device radio0;
 extern Line radio0_received;
-extern BatterySim::Device battery0;
-extern CanSocketcan::Device can1;
+extern drivers::battery::sim::BatterySim::Device battery0;
+extern drivers::can::socketcan::CanSocketcan::Device can1;
 extern Line can1_received;
 extern Line can1_sent;     // never raised: the driver tries again with its timer
 extern Line can1_changed;  // never raised: that is received, too
-extern NonvolatileFile::Device nonvolatile0;
-extern SystemBoard::Device system0;  // a restart ends the process
-extern StorageFile::Device log_storage;
+extern drivers::nonvolatile::file::NonvolatileFile::Device nonvolatile0;
+extern drivers::system::board::SystemBoard::Device system0;  // a restart ends the process
+extern drivers::storage::file::StorageFile::Device log_storage;
 
 }  // namespace stator::board

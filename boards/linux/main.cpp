@@ -66,15 +66,15 @@ bool is_alone(int file) {
 // Devices that do not wait for a line.
 void connect(board::RealWorld& world) {
     the_world = &world;
-    board::motors.write = [](const MotorSim::Control& control) {
+    board::motors.write = [](const drivers::motor::sim::MotorSim::Control& control) {
         the_world->command_motors(control);
     };
-    board::baro0.refresh = [](BaroSim::Device& device) {
+    board::baro0.refresh = [](drivers::baro::sim::BaroSim::Device& device) {
         const auto refresh = device.refresh;
         device = the_world->barometer();
         device.refresh = refresh;
     };
-    board::battery0.refresh = [](BatterySim::Device& device) {
+    board::battery0.refresh = [](drivers::battery::sim::BatterySim::Device& device) {
         const auto refresh = device.refresh;
         device = the_world->battery();
         device.refresh = refresh;

@@ -20,7 +20,7 @@ namespace {
 
 // What the file begins with; the number is of the format.
 constexpr std::string_view kHead = "stator nonvolatile records 1\n";
-static_assert(kHead.size() <= NonvolatileFile::kHeadBytes);
+static_assert(kHead.size() <= drivers::nonvolatile::file::NonvolatileFile::kHeadBytes);
 
 bool refuse(const char* path, const char* why, const char* hint) {
     std::fprintf(stderr, "error: --nonvolatile '%s': %s\nhint: %s\n", path, why, hint);
@@ -35,14 +35,14 @@ bool has_head(int file) {
 
 // A damaged beginning of a file of the right length costs nothing: each record has a checksum.
 bool is_foreign(int file, const struct stat& facts) {
-    const bool is_length = facts.st_size == 0 || facts.st_size == NonvolatileFile::kFileBytes;
+    const bool is_length = facts.st_size == 0 || facts.st_size == drivers::nonvolatile::file::NonvolatileFile::kFileBytes;
     return !S_ISREG(facts.st_mode) || (!is_length && !has_head(file));
 }
 
 // One that is too short has lost its end, which then reads as zeros: as slots without a record.
 bool make_whole(int file, const struct stat& facts) {
-    if (facts.st_size < NonvolatileFile::kFileBytes &&
-        ftruncate(file, NonvolatileFile::kFileBytes) != 0) {
+    if (facts.st_size < drivers::nonvolatile::file::NonvolatileFile::kFileBytes &&
+        ftruncate(file, drivers::nonvolatile::file::NonvolatileFile::kFileBytes) != 0) {
         return false;
     }
     return has_head(file) ||

@@ -69,7 +69,7 @@ void RealWorld::run() {
     }
 }
 
-void RealWorld::command_motors(const MotorSim::Control& control) {
+void RealWorld::command_motors(const drivers::motor::sim::MotorSim::Control& control) {
     const Command command{clock_us(), {control[0], control[1], control[2], control[3]}};
     const Lock lock(&mutex_);
     // A world that is held up that long sees the newest command all the same.
@@ -95,12 +95,12 @@ bool RealWorld::can_take(const Line& line) {
     return false;
 }
 
-BaroSim::Device RealWorld::barometer() {
+drivers::baro::sim::BaroSim::Device RealWorld::barometer() {
     const Lock lock(&mutex_);
     return barometer_;
 }
 
-BatterySim::Device RealWorld::battery() {
+drivers::battery::sim::BatterySim::Device RealWorld::battery() {
     const Lock lock(&mutex_);
     return battery_;
 }

@@ -8,11 +8,11 @@
 #include <atomic>
 #include <cstdio>
 
-#include "baro_sim.hpp"
-#include "battery_sim.hpp"
+#include "drivers/baro/sim/baro_sim.hpp"
+#include "drivers/battery/sim/battery_sim.hpp"
 #include "can_link.hpp"
 #include "can_parts.hpp"
-#include "motor_sim.hpp"
+#include "drivers/motor/sim/motor_sim.hpp"
 #include "stator/mutex.hpp"
 #include "stator/pthread.hpp"
 #include "world.hpp"
@@ -32,10 +32,10 @@ class RealWorld {
     // Before the graph ends.
     void end();
     // What motors do from now on. Any one thread.
-    void command_motors(const MotorSim::Control& control);
+    void command_motors(const drivers::motor::sim::MotorSim::Control& control);
     // What devices without a line say now. Any thread.
-    BaroSim::Device barometer();
-    BatterySim::Device battery();
+    drivers::baro::sim::BaroSim::Device barometer();
+    drivers::battery::sim::BatterySim::Device battery();
 
     // Once it has ended.
     const World& world() const { return world_; }
@@ -67,8 +67,8 @@ class RealWorld {
     std::array<Command, kMaxCommands> commands_{};  // under the mutex, and so is the next
     unsigned command_count_ = 0;
     CanParts can_parts_;
-    BaroSim::Device barometer_{};
-    BatterySim::Device battery_{};
+    drivers::baro::sim::BaroSim::Device barometer_{};
+    drivers::battery::sim::BatterySim::Device battery_{};
 };
 
 }  // namespace stator::board

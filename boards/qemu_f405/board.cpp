@@ -19,29 +19,29 @@ namespace stator::board {
 namespace {
 
 // Devices that are asked by a period, which no line of theirs keeps from being read meanwhile.
-Newest<BaroSim::Device> barometer;
-Newest<BatterySim::Device> battery;
+Newest<drivers::baro::sim::BaroSim::Device> barometer;
+Newest<drivers::battery::sim::BatterySim::Device> battery;
 
-void refresh_baro(BaroSim::Device& device) {
+void refresh_baro(drivers::baro::sim::BaroSim::Device& device) {
     if (barometer.count() != 0) device = barometer.get();
 }
-void refresh_battery(BatterySim::Device& device) {
+void refresh_battery(drivers::battery::sim::BatterySim::Device& device) {
     if (battery.count() != 0) device = battery.get();
 }
 
 }  // namespace
 
-ImuSim::Device imu0;
-MocapSim::Device mocap0;
-MotorSim::Device motors;
-MagSim::Device mag0;
-BaroSim::Device baro0{.refresh = refresh_baro};
-GnssSim::Device gnss0;
-RadioSim::Device radio0;
-BatterySim::Device battery0{.refresh = refresh_battery};
-NonvolatileSim::Device nonvolatile0;
-SystemBoard::Device system0;
-StorageSim::Device log_storage;
+drivers::imu::sim::ImuSim::Device imu0;
+drivers::mocap::sim::MocapSim::Device mocap0;
+drivers::motor::sim::MotorSim::Device motors;
+drivers::mag::sim::MagSim::Device mag0;
+drivers::baro::sim::BaroSim::Device baro0{.refresh = refresh_baro};
+drivers::gnss::sim::GnssSim::Device gnss0;
+drivers::radio::sim::RadioSim::Device radio0;
+drivers::battery::sim::BatterySim::Device battery0{.refresh = refresh_battery};
+drivers::nonvolatile::sim::NonvolatileSim::Device nonvolatile0;
+drivers::system::board::SystemBoard::Device system0;
+drivers::storage::sim::StorageSim::Device log_storage;
 
 namespace {
 
@@ -62,7 +62,7 @@ semihosting::File nonvolatile_file;
 uint64_t missed_samples = 0;
 
 // The register write of the motor driver.
-void write_motors(const MotorSim::Control& control) {
+void write_motors(const drivers::motor::sim::MotorSim::Control& control) {
     const link::ToPlant message{.kind = link::ToPlant::Kind::kCommand,
                                 .time_us = clock_us(),
                                 .control = {control[0], control[1], control[2], control[3]}};
@@ -84,7 +84,7 @@ void open_nonvolatile() {
     if (nonvolatile_file.open(link::kNonvolatile, semihosting::Mode::kChange)) return;
     constexpr std::array<uint8_t, 256> kBlank{};
     bool is_whole = nonvolatile_file.open(link::kNonvolatile, semihosting::Mode::kMake);
-    for (uint32_t i = 0; i < NonvolatileSim::kBytes / kBlank.size(); ++i) {
+    for (uint32_t i = 0; i < drivers::nonvolatile::sim::NonvolatileSim::kBytes / kBlank.size(); ++i) {
         is_whole = is_whole && nonvolatile_file.write(kBlank.data(), kBlank.size());
     }
     require(is_whole, "cannot make the file of the nonvolatile memory");

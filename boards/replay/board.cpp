@@ -3,15 +3,15 @@
 
 namespace stator::board {
 
-ImuRecording::Device imu0;
+drivers::imu::recording::ImuRecording::Device imu0;
 Line imu0_data_ready;
-MagRecording::Device mag0;
+drivers::mag::recording::MagRecording::Device mag0;
 Line mag0_data_ready;
-GnssRecording::Device gnss0;
+drivers::gnss::recording::GnssRecording::Device gnss0;
 Line gnss0_received;
-BaroRecording::Device baro0;
-NonvolatileSim::Device nonvolatile0;
-StorageFile::Device log_storage;
+drivers::baro::recording::BaroRecording::Device baro0;
+drivers::nonvolatile::sim::NonvolatileSim::Device nonvolatile0;
+drivers::storage::file::StorageFile::Device log_storage;
 
 namespace {
 

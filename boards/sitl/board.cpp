@@ -11,27 +11,27 @@
 
 namespace stator::board {
 
-ImuSim::Device imu0;
+drivers::imu::sim::ImuSim::Device imu0;
 Line imu0_data_ready;
-MocapSim::Device mocap0;
+drivers::mocap::sim::MocapSim::Device mocap0;
 Line mocap0_received;
-MotorSim::Device motors;
-MagSim::Device mag0;
+drivers::motor::sim::MotorSim::Device motors;
+drivers::mag::sim::MagSim::Device mag0;
 Line mag0_data_ready;
-BaroSim::Device baro0;
-GnssSim::Device gnss0;
+drivers::baro::sim::BaroSim::Device baro0;
+drivers::gnss::sim::GnssSim::Device gnss0;
 Line gnss0_received;
-RadioSim::Device radio0;
+drivers::radio::sim::RadioSim::Device radio0;
 Line radio0_received;
-BatterySim::Device battery0;
-CanSim::Device can1;
+drivers::battery::sim::BatterySim::Device battery0;
+drivers::can::sim::CanSim::Device can1;
 Line can1_received;
 Line can1_sent;
 Line can1_changed;
-MissionSim::Device mission0;
-NonvolatileSim::Device nonvolatile0;
-SystemBoard::Device system0{.restart = stop};
-StorageFile::Device log_storage;
+drivers::mission::sim::MissionSim::Device mission0;
+drivers::nonvolatile::sim::NonvolatileSim::Device nonvolatile0;
+drivers::system::board::SystemBoard::Device system0{.restart = stop};
+drivers::storage::file::StorageFile::Device log_storage;
 
 namespace {
 
@@ -42,14 +42,14 @@ CanParts can_parts([](const dronecan::Frame& frame, std::uint64_t now_us) {
 });
 std::FILE* truth_file = nullptr;
 bool truth_was_written = false;
-std::array<std::uint8_t, NonvolatileSim::kBytes> nonvolatile_memory{};
+std::array<std::uint8_t, drivers::nonvolatile::sim::NonvolatileSim::kBytes> nonvolatile_memory{};
 
 // The register write of the motor driver. Time may have passed since the newest event.
-void write_motors(const MotorSim::Control& control) {
+void write_motors(const drivers::motor::sim::MotorSim::Control& control) {
     the_world->command_motors(executor.now_us, {control[0], control[1], control[2], control[3]});
 }
 
-void send_on_can(const CanSim::Frame& frame) {
+void send_on_can(const drivers::can::sim::CanSim::Frame& frame) {
     can_bus.send({.id = frame.id, .length = frame.length, .data = frame.data},
                  CanBus::Sender::kVehicle, executor.now_us);
 }

@@ -1,22 +1,22 @@
 // From what the simulated world measures to the devices that drivers see.
 #pragma once
 
-#include "baro_sim.hpp"
-#include "battery_sim.hpp"
-#include "gnss_sim.hpp"
-#include "radio_sim.hpp"
+#include "drivers/baro/sim/baro_sim.hpp"
+#include "drivers/battery/sim/battery_sim.hpp"
+#include "drivers/gnss/sim/gnss_sim.hpp"
+#include "drivers/radio/sim/radio_sim.hpp"
 #include "world.hpp"
 
 namespace stator::board {
 
-inline void fill(BaroSim::Device& device, const BarometerSample& sample, std::uint64_t now_us) {
+inline void fill(drivers::baro::sim::BaroSim::Device& device, const BarometerSample& sample, std::uint64_t now_us) {
     device = {.timestamp_sample = now_us,
               .samples = device.samples + 1,
               .pressure = sample.pressure,
               .temperature_degc = sample.temperature_degc};
 }
 
-inline void fill(GnssSim::Device& device, const GnssFix& fix) {
+inline void fill(drivers::gnss::sim::GnssSim::Device& device, const GnssFix& fix) {
     device = {.timestamp_sample = fix.time_us,
               .latitude_deg = fix.place.latitude_deg,
               .longitude_deg = fix.place.longitude_deg,
@@ -29,7 +29,7 @@ inline void fill(GnssSim::Device& device, const GnssFix& fix) {
               .satellites = fix.satellites};
 }
 
-inline void fill(RadioSim::Device& device, const World::RadioFrame& frame, std::uint64_t now_us) {
+inline void fill(drivers::radio::sim::RadioSim::Device& device, const World::RadioFrame& frame, std::uint64_t now_us) {
     device = {.timestamp_sample = now_us,
               .roll = frame.hands.roll,
               .pitch = frame.hands.pitch,
@@ -42,7 +42,7 @@ inline void fill(RadioSim::Device& device, const World::RadioFrame& frame, std::
               .kill = frame.hands.kill};
 }
 
-inline void fill(BatterySim::Device& device, const Battery& battery) {
+inline void fill(drivers::battery::sim::BatterySim::Device& device, const Battery& battery) {
     constexpr double kMilliampHours = 1.0 / 3.6;  // in a coulomb
     device = {.voltage_v = static_cast<float>(battery.voltage()),
               .current_a = static_cast<float>(battery.current()),

@@ -18,10 +18,14 @@ _RUNTIME = frozenset("std stator now fired params timestamp main step".split())
 # Namespaces and functions that generated code names without qualification beside nodes and topics,
 # its own header files, and CMake targets.
 _GENERATED = frozenset(
-    """tasks topics lines board boards modes math testing messages executor log_table
-    interfaces generated all_slots served_now later nominal_time_us set_pending clear_pending
-    has_unread count_activation lost_samples preempt take_latest release""".split()
+    """tasks topics lines board boards modes apps drivers math dronecan testing messages executor
+    log_table parameter_table streams replay interfaces generated all_slots served_now later
+    nominal_time_us set_pending clear_pending has_unread count_activation lost_samples preempt
+    take_latest release""".split()
 )
+_SEEN_BY_DRIVERS = frozenset(
+    "math dronecan".split()
+)  # namespaces that its own namespace would hide
 _CLASSES = ("a node", "an app", "a device class")  # most nodes have the name of their app
 _IN_GENERATED = ("a node", "an app", "a topic", "a device", "a device class")
 
@@ -49,6 +53,8 @@ def reserved_reason(name: str, what: str = "") -> str:
         return "names that end in _t are reserved for the C library"
     if (what in _IN_GENERATED and name in _GENERATED) or _is_variable(name, what):
         return "generated code uses this name"
+    if what == "a driver" and name in _SEEN_BY_DRIVERS:
+        return "the runtime uses this name"
     if name in _RUNTIME or (what in _CLASSES and upper_camel(name) in _TYPES):
         return "the runtime uses this name"
     if "__" in name or name.endswith("_"):

@@ -14,7 +14,7 @@
 #include "can_ports.hpp"
 #include "can_queue.hpp"
 
-namespace stator {
+namespace stator::drivers::can {
 
 enum class CanSend : uint8_t {
     kSent,    // it is the controller's now
@@ -96,4 +96,4 @@ class CanDriver {
     CanInterfaceStatus::State state_ = CanInterfaceStatus::State::kDown;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::can

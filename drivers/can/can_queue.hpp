@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-namespace stator {
+namespace stator::drivers::can {
 
 // Holds `kCapacity` frames with `timestamp`, `id` and `extended`. Lower identifiers go first, equal
 // ones in their order: so frames of one transfer keep theirs.
@@ -61,4 +61,4 @@ class CanQueue {
     unsigned count_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::can

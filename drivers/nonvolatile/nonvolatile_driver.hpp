@@ -8,7 +8,7 @@
 #include "nonvolatile_ports.hpp"
 #include "record_store.hpp"
 
-namespace stator {
+namespace stator::drivers::nonvolatile {
 
 template <class Port>
 class NonvolatileDriver {
@@ -74,4 +74,4 @@ class NonvolatileDriver {
     NonvolatileStatus status_{};  // as published
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::nonvolatile

@@ -24,7 +24,7 @@
 #include "messages/stored_record.hpp"
 #include "stator/crc32.hpp"
 
-namespace stator {
+namespace stator::drivers::nonvolatile {
 
 // A slot as it lies in the memory; little-endian.
 struct RecordSlot {
@@ -211,4 +211,4 @@ typename RecordStore<Port>::Keep RecordStore<Port>::keep(const StoredRecord& rec
     return write(1, place, slot) ? Keep::kKept : Keep::kFailed;
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::nonvolatile

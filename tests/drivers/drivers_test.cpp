@@ -21,6 +21,24 @@
 namespace stator {
 namespace {
 
+using drivers::baro::BaroPorts;
+using drivers::baro::sim::BaroSim;
+using drivers::battery::BatteryPorts;
+using drivers::battery::sim::BatterySim;
+using drivers::gnss::GnssPorts;
+using drivers::gnss::sim::GnssSim;
+using drivers::imu::ImuPorts;
+using drivers::imu::sim::ImuSim;
+using drivers::mag::MagPorts;
+using drivers::mag::sim::MagSim;
+using drivers::mocap::MocapPorts;
+using drivers::mocap::sim::MocapSim;
+using drivers::motor::MotorPorts;
+using drivers::motor::sim::MotorSim;
+using drivers::radio::RadioPorts;
+using drivers::radio::sim::RadioSim;
+using drivers::storage::StoragePorts;
+using drivers::storage::file::StorageFile;
 using testing::Probe;
 
 TEST(ImuSim, publishes_the_sample_of_its_device) {

@@ -110,21 +110,22 @@ def _parts(plan: Plan) -> dict[str, str]:
     """What nodes see: messages and ports."""
     files: dict[str, str] = {}
     for message in rows.messages(plan):
-        files[f"messages/{message.header}.hpp"] = _render(
+        files[f"include/messages/{message.header}.hpp"] = _render(
             "message.hpp.j2",
             message.mark,
             message=message,
             fields=rows.fields(message, rows.defaults(plan, message)),
         )
     for interface in rows.interfaces(plan):
-        files[f"{interface.name}_ports.hpp"] = _render(
+        folder = f"ports/{interface.name}"
+        files[f"{folder}/{interface.name}_ports.hpp"] = _render(
             "ports.hpp.j2", _start(interface.file), interface=interface, ports=rows.ports(interface)
         )
         if interface.failsafe is not None:
-            files["failsafe_table.hpp"] = _render(
+            files[f"{folder}/failsafe_table.hpp"] = _render(
                 "failsafe_table.hpp.j2",
                 _start(interface.failsafe.file),
-                failsafe=rows.failsafe(interface.failsafe),
+                failsafe=rows.failsafe(interface, interface.failsafe),
             )
     return files
 

@@ -47,6 +47,7 @@ class PortsRow:
     """What a node sees; lines of a struct, but for `headers` and `params`."""
 
     class_name: str
+    namespace: str
     headers: list[str]
     lines: list[str]
     inputs: list[str]
@@ -143,6 +144,7 @@ def ports(interface: Interface) -> PortsRow:
     params = interface.params_message
     return PortsRow(
         class_name=interface.class_name,
+        namespace=f"stator::{interface.namespace}",
         headers=sorted(used | ({params.header} if params else set())),
         lines=[
             commented(f"bool {name} = false;", one_line(doc), 8)
@@ -389,6 +391,7 @@ class ModeAfter:
 
 @dataclass(frozen=True)
 class FailsafeRow:
+    namespace: str
     events: list[str]
     rows: list[ModeAfter]
 
@@ -396,6 +399,7 @@ class FailsafeRow:
 @dataclass(frozen=True)
 class CMakeLibrary:
     name: str
+    ports: str  # the interface whose ports it has
     folder: str
 
 
@@ -408,6 +412,7 @@ class BuildRow:
     chip: str
     sources: list[str]
     libraries: list[CMakeLibrary]
+    roots: list[str]  # where apps/ and drivers/ are
     inputs: list[str]
 
 
@@ -449,8 +454,9 @@ def _is_bound(plan: Plan, node: Node) -> bool:
     return node.device is None or plan.board.devices[node.device].driver != "none"
 
 
-def failsafe(table: Failsafe) -> FailsafeRow:
+def failsafe(interface: Interface, table: Failsafe) -> FailsafeRow:
     return FailsafeRow(
+        namespace=f"stator::{interface.namespace}",
         events=[upper_camel(event) for event in table.events],
         rows=[
             ModeAfter(upper_camel(mode), [upper_camel(following) for following in row])
@@ -460,27 +466,23 @@ def failsafe(table: Failsafe) -> FailsafeRow:
 
 
 def build(plan: Plan, files: dict[str, str]) -> BuildRow:
-    folders = _app_folders(plan)
+    nodes = _apps(plan)
     for device in plan.board.devices.values():
         if device.driver != "none" and device.interface is not None:
-            folder = device.interface.file.parent / device.driver.split("/")[1]
-            folders[device.driver.replace("/", "_")] = folder
+            nodes[device.driver] = device.interface
     chip = "" if plan.board.chip is None else str(_chip_folder(plan))
-    return _build(plan, plan.board.executor, plan.board.file.parent, chip, files, folders)
+    return _build(plan, plan.board.executor, plan.board.file.parent, chip, files, nodes)
 
 
 def replay_build(plan: Plan, files: dict[str, str]) -> BuildRow:
     """No driver and no logger; the executor brings its own program."""
-    folders = _app_folders(plan)
-    for node in plan.graph.nodes.values():
-        if node.interface.reads_log:
-            folders.pop(node.interface.name, None)
-    return _build(plan, "replay", HOME / "runtime" / "replay", "", files, folders)
+    apps = {name: app for name, app in _apps(plan).items() if not app.reads_log}
+    return _build(plan, "replay", HOME / "runtime" / "replay", "", files, apps)
 
 
-def _app_folders(plan: Plan) -> dict[str, Path]:
+def _apps(plan: Plan) -> dict[str, Interface]:
     return {
-        node.interface.name: node.interface.file.parent
+        node.interface.name: node.interface
         for node in plan.graph.nodes.values()
         if node.device is None
     }
@@ -492,13 +494,23 @@ def _build(
     board: Path,
     chip: str,
     files: dict[str, str],
-    folders: dict[str, Path],
+    nodes: dict[str, Interface],
 ) -> BuildRow:
+    """`nodes`: the folder of each app and driver, below apps/ or drivers/, and its ports."""
+    roots = [interface.file.parents[2] for interface in nodes.values()]
     return BuildRow(
         executor=executor,
         board=str(board),
         chip=chip,
         sources=[name for name in files if name.endswith(".cpp")],
-        libraries=[CMakeLibrary(name, str(folder)) for name, folder in sorted(folders.items())],
+        libraries=[
+            CMakeLibrary(
+                name=name.replace("/", "_"),
+                ports=interface.name,
+                folder=str(interface.file.parents[1] / name),
+            )
+            for name, interface in sorted(nodes.items())
+        ],
+        roots=list(dict.fromkeys(str(root) for root in roots)),
         inputs=sorted({str(path) for path in (*plan.graph.files, plan.board.file)}),
     )

@@ -158,7 +158,8 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
     interface = node.interface
     device = plan.board.devices[node.device] if node.device is not None else None
     driver = device.driver if device is not None else ""
-    header = driver.replace("/", "_") if device is not None else interface.name
+    stem = driver.replace("/", "_") if device is not None else interface.name
+    folder = f"drivers/{driver}" if device is not None else f"apps/{interface.name}"
     modes = plan.graph.modes
     is_gated = modes is not None and any(node.name in names for names in modes.sets.values())
     is_bound = device is None or driver != "none"
@@ -171,11 +172,11 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
     return TaskRow(
         name=node.name,
         mark=node.mark,
-        header=header,
-        class_name=upper_camel(header),
+        header=f"{folder}/{stem}.hpp",
+        class_name=f"{folder.replace('/', '::')}::{upper_camel(stem)}",
         is_bound=is_bound,
         device=node.device or "",
-        ports=f"{interface.class_name}Ports",
+        ports=f"{interface.namespace}::{interface.class_name}Ports",
         pend=pend(plan, planned),
         index=planned.index,
         is_timed=plan.is_timed(node.name),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from stator.graph.interfaces import find_device_class
 from stator.graph.model import Board, Chip, Device, Interface, Memory, Upload
 from stator.language import keys as language
-from stator.language.shapes import Leaf, Record, items, quoted
+from stator.language.shapes import Leaf, Record, check_name, items, quoted
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -79,6 +79,12 @@ def _device(sources: Sources, name: str, record: Record, chip: Chip | None) -> D
         )
         return None
     of_driver = driver.value.split("/")[0]
+    # The folder is a namespace, too.
+    if driver.value != "none" and not all(
+        check_name(part, driver.mark, what, sources.report)
+        for part, what in zip(driver.value.split("/"), ("a device class", "a driver"), strict=True)
+    ):
+        return None
     if driver.value != "none" and driver.value not in sources.drivers():
         sources.report.error(
             driver.mark,

@@ -110,6 +110,11 @@ class Interface:
     def class_name(self) -> str:
         return upper_camel(self.name)
 
+    @property
+    def namespace(self) -> str:
+        """Of its ports, inside namespace stator: the folder that it stands in."""
+        return f"{self.file.parents[1].name}::{self.name}"
+
 
 @dataclass(frozen=True)
 class Device:

@@ -1,7 +1,7 @@
 // A barometer whose samples come from a recording.
 #include "baro_recording.hpp"
 
-namespace stator {
+namespace stator::drivers::baro::recording {
 
 void BaroRecording::step(BaroPorts& ports) {
     if (device_.samples == published_) return;
@@ -14,4 +14,4 @@ void BaroRecording::step(BaroPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::baro::recording

@@ -5,7 +5,7 @@
 
 #include "baro_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::baro::recording {
 
 class BaroRecording {
   public:
@@ -24,4 +24,4 @@ class BaroRecording {
     uint32_t published_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::baro::recording

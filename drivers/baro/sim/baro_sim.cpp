@@ -1,7 +1,7 @@
 // The barometer of a simulated board.
 #include "baro_sim.hpp"
 
-namespace stator {
+namespace stator::drivers::baro::sim {
 
 void BaroSim::step(BaroPorts& ports) {
     if (device_.refresh != nullptr) device_.refresh(device_);
@@ -15,4 +15,4 @@ void BaroSim::step(BaroPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::baro::sim

@@ -5,7 +5,7 @@
 
 #include "baro_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::baro::sim {
 
 class BaroSim {
   public:
@@ -27,4 +27,4 @@ class BaroSim {
     uint32_t published_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::baro::sim

@@ -1,7 +1,7 @@
 // The battery monitor of a simulated board.
 #include "battery_sim.hpp"
 
-namespace stator {
+namespace stator::drivers::battery::sim {
 
 namespace {
 
@@ -31,4 +31,4 @@ void BatterySim::step(BatteryPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::battery::sim

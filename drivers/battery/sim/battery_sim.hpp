@@ -3,7 +3,7 @@
 
 #include "battery_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::battery::sim {
 
 class BatterySim {
   public:
@@ -24,4 +24,4 @@ class BatterySim {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::battery::sim

@@ -1,7 +1,7 @@
 // Bit timing of bxCAN.
 #include "bxcan_port.hpp"
 
-namespace stator::bxcan {
+namespace stator::drivers::can::bxcan {
 
 // A bit is 1 + segment 1 (1 to 16) + segment 2 (1 to 8) quanta, sampled after segment 1. The most
 // quanta first: they place the sample best. The controller may move an edge by all of segment 2, at
@@ -23,4 +23,4 @@ uint32_t bit_timing(uint32_t clock_hz, uint32_t bit_rate) {
     return 0;
 }
 
-}  // namespace stator::bxcan
+}  // namespace stator::drivers::can::bxcan

@@ -12,9 +12,7 @@
 
 #include "../can_driver.hpp"
 
-namespace stator {
-
-namespace bxcan {
+namespace stator::drivers::can::bxcan {
 
 // RM0090, 32.9: offsets and bits.
 inline constexpr uint32_t kMasterControl = 0x000;  // CAN_MCR
@@ -89,8 +87,6 @@ struct Memory {
     }
 };
 
-}  // namespace bxcan
-
 // `Registers` has read(offset) and write(offset, value). One task uses an object.
 template <class Registers>
 class BxcanPort {
@@ -153,6 +149,6 @@ class BxcanPort {
     State state_ = State::kDown;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::can::bxcan
 
 #include "bxcan_port_steps.hpp"

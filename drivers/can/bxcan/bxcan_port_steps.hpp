@@ -1,7 +1,7 @@
 // The functions of BxcanPort; included by its header.
 #pragma once
 
-namespace stator {
+namespace stator::drivers::can::bxcan {
 
 template <class Registers>
 void BxcanPort<Registers>::request_init(Step next, uint64_t now_us) {
@@ -263,4 +263,4 @@ void BxcanPort<Registers>::end() const {
     registers_.write(bxcan::kInterruptEnable, interrupts);
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::can::bxcan

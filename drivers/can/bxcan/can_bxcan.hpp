@@ -3,7 +3,7 @@
 
 #include "bxcan_port.hpp"
 
-namespace stator {
+namespace stator::drivers::can::bxcan {
 
 class CanBxcan {
   public:
@@ -23,4 +23,4 @@ class CanBxcan {
     CanDriver<BxcanPort<bxcan::Memory>> driver_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::can::bxcan

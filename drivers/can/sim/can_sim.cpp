@@ -1,7 +1,7 @@
 // The CAN controller of a simulated board.
 #include "can_sim.hpp"
 
-namespace stator {
+namespace stator::drivers::can::sim {
 
 void CanSim::send(const CanFrame& frame) {
     if (device_.send == nullptr || !frame.extended || frame.length > frame.data.size()) {
@@ -38,4 +38,4 @@ void CanSim::step(CanPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::can::sim

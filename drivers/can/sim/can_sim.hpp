@@ -6,7 +6,7 @@
 
 #include "can_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::can::sim {
 
 class CanSim {
   public:
@@ -47,4 +47,4 @@ class CanSim {
     uint32_t refused_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::can::sim

@@ -3,7 +3,7 @@
 
 #include "socket_port.hpp"
 
-namespace stator {
+namespace stator::drivers::can::socketcan {
 
 class CanSocketcan {
   public:
@@ -16,4 +16,4 @@ class CanSocketcan {
     CanDriver<SocketPort> driver_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::can::socketcan

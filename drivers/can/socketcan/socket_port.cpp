@@ -15,7 +15,7 @@
 #include <cstring>
 #include <ctime>
 
-namespace stator {
+namespace stator::drivers::can::socketcan {
 
 namespace {
 
@@ -219,4 +219,4 @@ void SocketPort::count(CanInterfaceStatus& status) const {
     status.bus_off_count = bus_off_count_;
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::can::socketcan

@@ -8,7 +8,7 @@
 
 struct can_frame;  // of <linux/can.h>
 
-namespace stator {
+namespace stator::drivers::can::socketcan {
 
 // Opens the interface as soon as it is there and up, and again when it went away and came back.
 class SocketPort {
@@ -67,4 +67,4 @@ class SocketPort {
     State state_ = State::kDown;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::can::socketcan

@@ -5,7 +5,7 @@
 
 #include "gnss_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::gnss::recording {
 
 class GnssRecording {
   public:
@@ -21,4 +21,4 @@ class GnssRecording {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::gnss::recording

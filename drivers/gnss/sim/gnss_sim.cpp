@@ -1,7 +1,7 @@
 // The satellite receiver of a simulated board.
 #include "gnss_sim.hpp"
 
-namespace stator {
+namespace stator::drivers::gnss::sim {
 
 void GnssSim::step(GnssPorts& ports) {
     if (!ports.fired.received) return;
@@ -27,4 +27,4 @@ void GnssSim::step(GnssPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::gnss::sim

@@ -6,7 +6,7 @@
 
 #include "gnss_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::gnss::sim {
 
 class GnssSim {
   public:
@@ -31,4 +31,4 @@ class GnssSim {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::gnss::sim

@@ -1,7 +1,7 @@
 // An IMU whose samples come from a recording.
 #include "imu_recording.hpp"
 
-namespace stator {
+namespace stator::drivers::imu::recording {
 
 void ImuRecording::step(ImuPorts& ports) {
     if (!ports.fired.data_ready) return;
@@ -14,4 +14,4 @@ void ImuRecording::step(ImuPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::imu::recording

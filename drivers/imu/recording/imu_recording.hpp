@@ -6,7 +6,7 @@
 
 #include "imu_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::imu::recording {
 
 class ImuRecording {
   public:
@@ -24,4 +24,4 @@ class ImuRecording {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::imu::recording

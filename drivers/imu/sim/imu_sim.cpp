@@ -1,7 +1,7 @@
 // The IMU of a simulated board.
 #include "imu_sim.hpp"
 
-namespace stator {
+namespace stator::drivers::imu::sim {
 
 void ImuSim::step(ImuPorts& ports) {
     if (!ports.fired.data_ready) return;
@@ -15,4 +15,4 @@ void ImuSim::step(ImuPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::imu::sim

@@ -6,7 +6,7 @@
 
 #include "imu_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::imu::sim {
 
 class ImuSim {
   public:
@@ -25,4 +25,4 @@ class ImuSim {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::imu::sim

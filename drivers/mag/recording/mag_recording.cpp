@@ -1,7 +1,7 @@
 // A magnetometer whose samples come from a recording.
 #include "mag_recording.hpp"
 
-namespace stator {
+namespace stator::drivers::mag::recording {
 
 void MagRecording::step(MagPorts& ports) {
     if (!ports.fired.data_ready) return;
@@ -11,4 +11,4 @@ void MagRecording::step(MagPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::mag::recording

@@ -6,7 +6,7 @@
 
 #include "mag_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::mag::recording {
 
 class MagRecording {
   public:
@@ -23,4 +23,4 @@ class MagRecording {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::mag::recording

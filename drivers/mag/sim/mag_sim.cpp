@@ -1,7 +1,7 @@
 // The magnetometer of a simulated board.
 #include "mag_sim.hpp"
 
-namespace stator {
+namespace stator::drivers::mag::sim {
 
 void MagSim::step(MagPorts& ports) {
     if (!ports.fired.data_ready) return;
@@ -11,4 +11,4 @@ void MagSim::step(MagPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::mag::sim

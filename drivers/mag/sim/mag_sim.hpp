@@ -6,7 +6,7 @@
 
 #include "mag_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::mag::sim {
 
 class MagSim {
   public:
@@ -23,4 +23,4 @@ class MagSim {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::mag::sim

@@ -1,7 +1,7 @@
 // The mission of a simulated board.
 #include "mission_sim.hpp"
 
-namespace stator {
+namespace stator::drivers::mission::sim {
 
 void MissionSim::step(MissionPorts& ports) {
     if (device_.version == published_) return;
@@ -9,4 +9,4 @@ void MissionSim::step(MissionPorts& ports) {
     ports.mission.publish([&] { return device_.mission; });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::mission::sim

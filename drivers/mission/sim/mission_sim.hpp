@@ -5,7 +5,7 @@
 
 #include "mission_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::mission::sim {
 
 class MissionSim {
   public:
@@ -23,4 +23,4 @@ class MissionSim {
     uint32_t published_ = 0;  // the version
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::mission::sim

@@ -3,7 +3,7 @@
 
 #include "stator/scalar.hpp"
 
-namespace stator {
+namespace stator::drivers::mocap::sim {
 
 void MocapSim::step(MocapPorts& ports) {
     if (!ports.fired.received) return;
@@ -16,4 +16,4 @@ void MocapSim::step(MocapPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::mocap::sim

@@ -6,7 +6,7 @@
 
 #include "mocap_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::mocap::sim {
 
 class MocapSim {
   public:
@@ -24,4 +24,4 @@ class MocapSim {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::mocap::sim

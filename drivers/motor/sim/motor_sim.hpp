@@ -5,7 +5,7 @@
 
 #include "motor_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::motor::sim {
 
 class MotorSim {
   public:
@@ -23,4 +23,4 @@ class MotorSim {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::motor::sim

@@ -3,7 +3,7 @@
 
 #include <unistd.h>
 
-namespace stator {
+namespace stator::drivers::nonvolatile::file {
 
 bool NonvolatileFile::Port::read(uint32_t address, std::span<uint8_t> bytes) const {
     const off_t place = off_t{kHeadBytes} + address;
@@ -22,4 +22,4 @@ void NonvolatileFile::step(NonvolatilePorts& ports) {
     device_.status = driver_.status();
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::nonvolatile::file

@@ -3,7 +3,7 @@
 
 #include "../nonvolatile_driver.hpp"
 
-namespace stator {
+namespace stator::drivers::nonvolatile::file {
 
 // A write returns when the medium has it, since the board opens the file with O_DSYNC: where that
 // takes long, it holds up the node's level.
@@ -32,4 +32,4 @@ class NonvolatileFile {
     NonvolatileDriver<Port> driver_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::nonvolatile::file

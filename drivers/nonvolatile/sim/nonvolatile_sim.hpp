@@ -3,7 +3,7 @@
 
 #include "../nonvolatile_driver.hpp"
 
-namespace stator {
+namespace stator::drivers::nonvolatile::sim {
 
 class NonvolatileSim {
   public:
@@ -27,4 +27,4 @@ class NonvolatileSim {
     NonvolatileDriver<Port> driver_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::nonvolatile::sim

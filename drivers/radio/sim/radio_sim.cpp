@@ -1,7 +1,7 @@
 // The radio receiver of a simulated board.
 #include "radio_sim.hpp"
 
-namespace stator {
+namespace stator::drivers::radio::sim {
 
 void RadioSim::step(RadioPorts& ports) {
     if (!ports.fired.received) return;
@@ -26,4 +26,4 @@ void RadioSim::step(RadioPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::radio::sim

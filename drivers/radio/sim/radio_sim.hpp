@@ -5,7 +5,7 @@
 
 #include "radio_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::radio::sim {
 
 class RadioSim {
   public:
@@ -31,4 +31,4 @@ class RadioSim {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::radio::sim

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace stator {
+namespace stator::drivers::storage::file {
 
 void StorageFile::step(StoragePorts& ports) {
     if (!ports.block || device_.file == nullptr) return;
@@ -14,4 +14,4 @@ void StorageFile::step(StoragePorts& ports) {
     device_.errors += written == length ? 0U : 1U;
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::storage::file

@@ -6,7 +6,7 @@
 
 #include "storage_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::storage::file {
 
 class StorageFile {
   public:
@@ -24,4 +24,4 @@ class StorageFile {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::storage::file

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace stator {
+namespace stator::drivers::storage::sim {
 
 void StorageSim::step(StoragePorts& ports) {
     if (!ports.block || device_.append == nullptr) return;
@@ -12,4 +12,4 @@ void StorageSim::step(StoragePorts& ports) {
     if (!device_.append(block.data.data(), length)) ++device_.errors;
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::storage::sim

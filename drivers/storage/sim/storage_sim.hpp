@@ -6,7 +6,7 @@
 
 #include "storage_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::storage::sim {
 
 class StorageSim {
   public:
@@ -24,4 +24,4 @@ class StorageSim {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::storage::sim

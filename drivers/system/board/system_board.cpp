@@ -1,7 +1,7 @@
 // The machine: a request to restart is handed to the board.
 #include "system_board.hpp"
 
-namespace stator {
+namespace stator::drivers::system::board {
 
 void SystemBoard::step(SystemPorts& ports) {
     if (ports.restart.is_new() && !is_asked_) {
@@ -18,4 +18,4 @@ void SystemBoard::step(SystemPorts& ports) {
     device_.restart();
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::system::board

@@ -6,7 +6,7 @@
 
 #include "system_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::system::board {
 
 class SystemBoard {
   public:
@@ -26,4 +26,4 @@ class SystemBoard {
     bool is_asked_ = false;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::system::board

@@ -8,7 +8,7 @@
 #include "stator/random.hpp"
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::allocation {
 namespace {
 
 using math::Vector3;
@@ -314,4 +314,4 @@ TEST_F(AllocationTest, passes_the_time_of_the_gyro_sample_on) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::allocation

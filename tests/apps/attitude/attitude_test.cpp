@@ -6,8 +6,7 @@
 
 #include "rig.hpp"
 
-namespace stator {
-namespace testing {
+namespace stator::testing {
 
 using Vector = AttitudeRig::Vector;
 using Quaternion = AttitudeRig::Quaternion;
@@ -45,7 +44,7 @@ bool AttitudeRig::step(const SensorGyro& gyro, const SensorAccel& accel, const S
     VehicleStatus status{};
     status.arming_state =
         armed ? VehicleStatus::ArmingState::kArmed : VehicleStatus::ArmingState::kDisarmed;
-    AttitudePorts ports{
+    apps::attitude::AttitudePorts ports{
         .now = now_us,
         .gyro = Input<SensorGyro>(gyro),
         .accel = Input<SensorAccel>(accel),
@@ -106,8 +105,9 @@ double AttitudeRig::heading_error() const {
     return math::wrap_pi(math::heading(q_NB) - math::heading(estimate));
 }
 
-}  // namespace testing
+}  // namespace stator::testing
 
+namespace stator::apps::attitude {
 namespace {
 
 using testing::AttitudeRig;
@@ -401,4 +401,4 @@ TEST(Attitude, KeepsHalfADegreeInGentleFlight) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::attitude

@@ -59,7 +59,7 @@ class AttitudeRig {
     Vector noise(double sigma);
     VehicleOdometry seen_now() const;
 
-    Attitude node_;
+    apps::attitude::Attitude node_;
     math::Random random_{1};
     std::vector<VehicleOdometry> on_the_way_;
     double tilt_rms_ = 0;

@@ -7,7 +7,7 @@
 #include "stator/random.hpp"
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::attitude_control {
 namespace {
 
 using math::Quaternion;
@@ -251,4 +251,4 @@ TEST_F(AttitudeControlTest, a_tilt_that_lags_does_not_cost_height) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::attitude_control

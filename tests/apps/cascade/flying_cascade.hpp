@@ -176,7 +176,7 @@ class FlyingCascade {
         position_ = late_.front();
     }
     void step_sequence() {
-        SequencePorts ports{
+        apps::sequence::SequencePorts ports{
             .now = now_us_, .position = Input(position_), .params = Input(sequence_params)};
         Probe trajectory_probe(ports.setpoint, now_us_);
         Probe status_probe(ports.status, now_us_);
@@ -185,7 +185,7 @@ class FlyingCascade {
         status = status_probe.newest();
     }
     void step_position() {
-        PositionControlPorts ports{.now = now_us_,
+        apps::position_control::PositionControlPorts ports{.now = now_us_,
                                    .position = Input(position_),
                                    .setpoint = Input(trajectory),
                                    .status = Input(status),
@@ -200,7 +200,7 @@ class FlyingCascade {
         const math::Quaternion<float> q = body.state.q_NB.cast<float>();
         attitude.timestamp_sample = now_us_;
         attitude.q = math::to_array(q);
-        AttitudeControlPorts ports{.now = now_us_,
+        apps::attitude_control::AttitudeControlPorts ports{.now = now_us_,
                                    .attitude = Input(attitude),
                                    .setpoint = Input(attitude_setpoint),
                                    .params = Input(attitude_params_)};
@@ -215,7 +215,7 @@ class FlyingCascade {
             const double noise = mismatch_.gyro_noise * random_.gaussian_double();
             gyro.xyz[i] = static_cast<float>(body.state.rate_B[static_cast<int>(i)] + noise);
         }
-        RateControlPorts ports{.now = now_us_,
+        apps::rate_control::RateControlPorts ports{.now = now_us_,
                                .gyro = Input(gyro),
                                .setpoint = Input(rates_setpoint_),
                                .status = Input(status),
@@ -226,7 +226,7 @@ class FlyingCascade {
         allocate(torque.newest(), thrust.newest());
     }
     void allocate(const VehicleTorqueSetpoint& torque, const VehicleThrustSetpoint& thrust) {
-        AllocationPorts ports{.now = now_us_,
+        apps::allocation::AllocationPorts ports{.now = now_us_,
                               .torque = Input(torque),
                               .thrust = Input(thrust),
                               .status = Input(status),
@@ -246,11 +246,11 @@ class FlyingCascade {
     bool is_first_position_ = true;
     bool is_first_rate_ = true;
 
-    Sequence sequence_;
-    PositionControl position_control_;
-    AttitudeControl attitude_control_;
-    RateControl rate_control_;
-    Allocation allocation_;
+    apps::sequence::Sequence sequence_;
+    apps::position_control::PositionControl position_control_;
+    apps::attitude_control::AttitudeControl attitude_control_;
+    apps::rate_control::RateControl rate_control_;
+    apps::allocation::Allocation allocation_;
     PositionControlParams position_params_;
     AttitudeControlParams attitude_params_;
     RateControlParams rate_params_;

@@ -8,7 +8,7 @@
 
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::commander {
 namespace {
 
 using Nav = VehicleStatus::NavState;
@@ -487,4 +487,4 @@ TEST_F(CommanderTest, no_event_disarms_in_the_air) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::commander

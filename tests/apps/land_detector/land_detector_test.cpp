@@ -5,7 +5,7 @@
 
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::land_detector {
 namespace {
 
 class LandDetectorTest : public ::testing::Test {
@@ -115,4 +115,4 @@ TEST_F(LandDetectorTest, what_only_seemed_to_have_landed_flies_as_soon_as_it_fal
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::land_detector

@@ -7,7 +7,7 @@
 
 #include "stator/random.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 namespace {
 
 using Dense = Eigen::Matrix<double, kStates, kStates>;
@@ -175,4 +175,4 @@ TEST(Covariance, StaysSymmetricAndPositive) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::navigation

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace stator {
+namespace stator::apps::navigation {
 
 namespace {
 
@@ -18,4 +18,4 @@ TEST(Aid, is_recent_for_a_measurement_that_is_older) {
 
 }  // namespace
 
-}  // namespace stator
+}  // namespace stator::apps::navigation

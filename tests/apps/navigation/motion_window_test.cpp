@@ -7,7 +7,7 @@
 
 #include "stator/random.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 namespace {
 
 void expect_near(const Motion& found, const Motion& expected, float tolerance) {
@@ -140,4 +140,4 @@ TEST(MotionWindow, IsFullBeforeItOverwritesAStep) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::navigation

@@ -7,7 +7,7 @@
 
 #include "rig.hpp"
 
-namespace stator {
+namespace stator::apps::navigation {
 namespace {
 
 using testing::NavigationRig;
@@ -352,4 +352,4 @@ TEST(Navigation, KnowsHowWellItKnows) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::navigation

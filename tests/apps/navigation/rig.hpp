@@ -79,7 +79,7 @@ class NavigationRig {
         const SensorGps no_fix{};
         const SensorBaro no_baro{};
         const SensorMag no_mag{};
-        NavigationPorts ports{.now = now_us,
+        apps::navigation::NavigationPorts ports{.now = now_us,
                               .gyro = Input(gyro),
                               .accel = Input(accel),
                               .gnss = Input(fix ? *fix : no_fix, fix != nullptr),
@@ -128,7 +128,7 @@ class NavigationRig {
     Vector3 truth_position() const { return path(moving_s(now_us), 0); }
 
     Vector3 force_N(uint64_t at_us) const {
-        return acceleration(at_us) - Vector3(0, 0, static_cast<double>(kGravity));
+        return acceleration(at_us) - Vector3(0, 0, static_cast<double>(apps::navigation::kGravity));
     }
     Turn truth(uint64_t at_us) const {
         const Vector3 force = force_N(at_us) - push_N;
@@ -213,7 +213,7 @@ class NavigationRig {
     double start_yaw = 0.6;
 
   private:
-    Navigation node_;
+    apps::navigation::Navigation node_;
     math::Random random_;
     math::LocalFrame earth_{{47.4, 8.5}};
     std::deque<SensorGps> on_the_way_;

@@ -7,7 +7,7 @@
 
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::navigator {
 namespace {
 
 using Nav = VehicleStatus::NavState;
@@ -408,4 +408,4 @@ TEST_F(NavigatorTest, an_origin_on_earth_is_found_from_the_frames_place) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::navigator

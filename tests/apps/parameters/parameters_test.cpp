@@ -8,7 +8,7 @@
 
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::parameters {
 namespace {
 
 using Action = ParameterRequest::Action;
@@ -183,4 +183,4 @@ TEST_F(ParametersTest, without_a_request_nothing_happens) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::parameters

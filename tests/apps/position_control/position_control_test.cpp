@@ -5,7 +5,7 @@
 
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::position_control {
 namespace {
 
 using math::Quaternion;
@@ -371,4 +371,4 @@ TEST_F(PositionControlTest, in_flight_it_learns_the_thrust_that_carries_the_weig
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::position_control

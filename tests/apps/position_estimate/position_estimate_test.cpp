@@ -10,7 +10,7 @@
 #include "stator/random.hpp"
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::position_estimate {
 namespace {
 
 using Vector = math::Vector3<double>;
@@ -362,4 +362,4 @@ TEST(PositionEstimate, BeginsAnewAfterAGapInTheAttitude) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::position_estimate

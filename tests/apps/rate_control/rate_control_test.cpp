@@ -5,7 +5,7 @@
 
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::rate_control {
 namespace {
 
 constexpr float kNaN = math::canonical_nan<float>();
@@ -235,4 +235,4 @@ TEST_F(RateControlTest, a_setpoint_that_is_no_number_reads_as_zero) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::rate_control

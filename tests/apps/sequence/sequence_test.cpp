@@ -6,7 +6,7 @@
 
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::sequence {
 namespace {
 
 using Arming = VehicleStatus::ArmingState;
@@ -288,4 +288,4 @@ TEST_F(SequenceTest, a_landing_goes_on_from_where_the_position_comes_back) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::sequence

@@ -6,7 +6,7 @@
 #include "stator/random.hpp"
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::trajectory {
 namespace {
 
 using math::Vector3;
@@ -355,4 +355,4 @@ TEST_F(TrajectoryTest, descend_sinks_without_a_place) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::trajectory

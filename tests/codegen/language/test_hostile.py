@@ -260,7 +260,7 @@ def test_template_code_is_only_text(folder: Path) -> None:
     )
     graph = folder / "own" / "graph.yaml"
     graph.write_text(GOOD)
-    text = emit(plan(*check(graph)))["source_ports.hpp"]
+    text = emit(plan(*check(graph)))["ports/source/source_ports.hpp"]
     assert "// {{ 7*7 }}{% for x in y %} */ /\n" in text
 
 

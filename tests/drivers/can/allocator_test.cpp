@@ -5,7 +5,7 @@
 
 #include <utility>
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 namespace {
 
 using NodeStatus = dronecan::protocol::NodeStatus;
@@ -200,4 +200,4 @@ TEST(DronecanAllocator, a_piece_that_comes_late_or_out_of_turn_is_no_continuatio
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

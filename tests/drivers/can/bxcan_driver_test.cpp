@@ -7,7 +7,7 @@
 #include "bxcan_wire.hpp"
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::drivers::can::bxcan {
 namespace {
 
 using testing::BxcanModel;
@@ -167,4 +167,4 @@ TEST_F(BxcanDriver, no_frame_is_lost_unseen_doubled_or_out_of_order) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::drivers::can::bxcan

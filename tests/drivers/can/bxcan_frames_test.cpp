@@ -2,7 +2,7 @@
 // registers. No chip has run it.
 #include "bxcan_fixture.hpp"
 
-namespace stator {
+namespace stator::drivers::can::bxcan {
 namespace {
 
 using testing::Bxcan;
@@ -218,4 +218,4 @@ TEST_F(Bxcan, remote_frames_do_not_pass_the_filter) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::drivers::can::bxcan

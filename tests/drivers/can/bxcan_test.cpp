@@ -3,7 +3,7 @@
 // the whole node.
 #include "bxcan_fixture.hpp"
 
-namespace stator {
+namespace stator::drivers::can::bxcan {
 namespace {
 
 using testing::Bxcan;
@@ -222,4 +222,4 @@ TEST_F(Bxcan, nothing_is_raised_that_no_activation_would_take_away) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::drivers::can::bxcan

@@ -6,6 +6,10 @@
 
 namespace stator::testing {
 
+using drivers::can::CanSend;
+using namespace drivers::can::bxcan;
+namespace bxcan = drivers::can::bxcan;
+
 // What the port is given in place of the chip's registers.
 struct BxcanWire {
     BxcanModel* model;

@@ -12,7 +12,7 @@
 #include "stator/math/bits.hpp"
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::can_esc {
 namespace {
 
 using dronecan::equipment::esc::RawCommand;
@@ -222,4 +222,4 @@ TEST_F(Esc, frames_that_are_none_of_the_protocol_count_for_nothing) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::can_esc

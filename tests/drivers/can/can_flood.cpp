@@ -15,6 +15,8 @@
 namespace {
 
 using namespace stator;
+using drivers::can::CanSend;
+using drivers::can::socketcan::SocketPort;
 
 constexpr std::uint32_t kLast = 16;
 int descriptor = -1;

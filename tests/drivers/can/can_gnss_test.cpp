@@ -10,7 +10,7 @@
 #include "stator/math/bits.hpp"
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::can_gnss {
 namespace {
 
 using dronecan::equipment::gnss::Auxiliary;
@@ -183,4 +183,4 @@ TEST_F(Gnss, a_second_receiver_is_heard_once_the_first_is_silent) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::can_gnss

@@ -10,7 +10,7 @@
 #include "frames.hpp"
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 namespace {
 
 // Runs the node every 2 ms, with one frame more each time, and collects what it sends.
@@ -365,4 +365,4 @@ TEST_F(MemoryTest, two_nodes_of_one_id_are_told_once_for_each_id) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

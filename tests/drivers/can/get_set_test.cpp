@@ -5,7 +5,7 @@
 
 #include <string_view>
 
-namespace stator {
+namespace stator::apps::dronecan_node {
 namespace {
 
 using dronecan::protocol::param::GetSet;
@@ -77,4 +77,4 @@ TEST(DronecanGetSet, an_answer_is_of_the_parameters_type) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::apps::dronecan_node

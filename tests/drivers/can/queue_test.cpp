@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "../can_queue.hpp"  // beside the driver, in drivers/can
+#include "../../../drivers/can/can_queue.hpp"
 #include "can_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::can {
 namespace {
 
 using Queue = CanQueue<CanFrame, 4>;
@@ -68,4 +68,4 @@ TEST(CanQueue, gives_up_what_is_old) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::drivers::can

@@ -7,7 +7,7 @@
 #include "nonvolatile_sim.hpp"
 #include "stator/testing.hpp"
 
-namespace stator {
+namespace stator::drivers::nonvolatile {
 namespace {
 
 Memory* memory = nullptr;
@@ -42,8 +42,8 @@ struct Driver : ::testing::Test {
     }
 
     Memory own;
-    NonvolatileSim::Device device;
-    std::optional<NonvolatileSim> driver{std::in_place, device};
+    sim::NonvolatileSim::Device device;
+    std::optional<sim::NonvolatileSim> driver{std::in_place, device};
     NonvolatileStatus status{};
     StoredRecord newest{};
     uint32_t loaded = 0;
@@ -114,4 +114,4 @@ TEST_F(Driver, a_write_that_fails_is_counted) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::drivers::nonvolatile

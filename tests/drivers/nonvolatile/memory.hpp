@@ -8,7 +8,7 @@
 
 #include "nonvolatile_sim.hpp"  // includes record_store.hpp
 
-namespace stator {
+namespace stator::drivers::nonvolatile {
 
 struct Memory {
     static constexpr uint64_t kNoCut = UINT64_MAX;
@@ -53,4 +53,4 @@ inline StoredRecord record_of(uint32_t key, uint8_t value) {
     return record;
 }
 
-}  // namespace stator
+}  // namespace stator::drivers::nonvolatile

@@ -6,7 +6,7 @@
 
 #include "memory.hpp"
 
-namespace stator {
+namespace stator::drivers::nonvolatile {
 namespace {
 
 using Contents = std::map<uint32_t, uint8_t>;  // key -> the value of all bytes of its record
@@ -313,4 +313,4 @@ TEST(RecordStore, kinds_have_keys_of_their_own) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::drivers::nonvolatile

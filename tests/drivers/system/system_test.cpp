@@ -3,7 +3,7 @@
 
 #include "system_board.hpp"
 
-namespace stator {
+namespace stator::drivers::system::board {
 namespace {
 
 int restarts = 0;
@@ -72,4 +72,4 @@ TEST_F(System, a_board_that_cannot_restart_goes_on) {
 }
 
 }  // namespace
-}  // namespace stator
+}  // namespace stator::drivers::system::board

@@ -6,7 +6,7 @@
 namespace stator {
 
 namespace board {
-ButtonTest::Device button0;
+drivers::button::test::ButtonTest::Device button0;
 Line button0_pressed;
 }  // namespace board
 

@@ -1,11 +1,13 @@
 // What a switch does to the nodes of graphs/modes.yaml: at 55 ms mode `other` begins, at 105 ms
 // mode `one`, and so on.
 #include "events.hpp"
-#include "journal.hpp"
+#include "apps/station/journal.hpp"
 #include "tasks.hpp"
 
 namespace stator {
 namespace {
+
+namespace journal = apps::station::journal;
 
 using journal::Entry;
 

@@ -7,11 +7,13 @@
 #include <vector>
 
 #include "events.hpp"
-#include "journal.hpp"
+#include "apps/station/journal.hpp"
 #include "tasks.hpp"
 
 namespace stator {
 namespace {
+
+namespace journal = apps::station::journal;
 
 using journal::Entry;
 

@@ -15,25 +15,28 @@ if TYPE_CHECKING:
 def check_generated_names(
     nodes: dict[str, Node], topics: dict[str, Topic], board: Board, report: Report
 ) -> None:
-    types = _Names(report)
-    headers = _Names(report)
-    interfaces: dict[str, tuple[Interface, Mark]] = {}
+    messages, headers, ports = _Names(report), _Names(report), _Names(report)
+    scopes: dict[str, _Names] = {}  # an app or a device class sees its own names and its messages
     for node in nodes.values():
-        kind = "app" if node.device is None else "device class"
-        interfaces.setdefault(f"the {kind} '{node.interface.name}'", (node.interface, node.mark))
+        interface, mark = node.interface, node.mark
+        kind = f"the {'app' if node.device is None else 'device class'} '{interface.name}'"
+        scope = scopes.get(kind)
+        if scope is None:
+            scope = scopes[kind] = _Names(report)
+            scope.add(f"{interface.class_name}Ports", f"the ports of {kind}", mark)
+            ports.add(f"{interface.class_name}Ports", f"the ports of {kind}", mark)
+            for message in _messages(interface):
+                what = f"the message {message.name}"
+                if message is interface.params_message:
+                    what = f"the parameters of {kind}"
+                scope.add(message.name, what, mark)
+                if messages.add(message.name, what, mark):
+                    headers.add(message.header, what, mark)
         if node.device is None:
-            types.add(node.interface.class_name, f"the app '{node.interface.name}'", node.mark)
+            scope.add(interface.class_name, kind, mark)
         elif board.devices[node.device].driver != "none":
             driver = board.devices[node.device].driver
-            types.add(upper_camel(driver.replace("/", "_")), f"the driver '{driver}'", node.mark)
-    for kind, (interface, mark) in interfaces.items():
-        types.add(f"{interface.class_name}Ports", f"the ports of {kind}", mark)
-        for message in _messages(interface):
-            what = f"the message {message.name}"
-            if message is interface.params_message:
-                what = f"the parameters of {kind}"
-            if types.add(message.name, what, mark):
-                headers.add(message.header, what, mark)
+            scope.add(upper_camel(driver.replace("/", "_")), f"the driver '{driver}'", mark)
     for topic in topics.values():
         stem = topic.name.removesuffix("_storage")
         if stem != topic.name and stem in topics:

@@ -1,6 +1,6 @@
 #include "adder.hpp"
 
-namespace stator {
+namespace stator::apps::adder {
 
 void Adder::step(AdderPorts& ports) {
     // Reads every kind of input alike: one sample of a trigger, the newest, or all of a queue.
@@ -10,4 +10,4 @@ void Adder::step(AdderPorts& ports) {
     ports.sum.publish([&] { return Count{.timestamp_sample = ports.now, .value = sum_ + extra}; });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::adder

@@ -5,7 +5,7 @@
 
 #include "adder_ports.hpp"
 
-namespace stator {
+namespace stator::apps::adder {
 
 class Adder {
   public:
@@ -15,4 +15,4 @@ class Adder {
     uint32_t sum_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::adder

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
-namespace stator {
+namespace stator::apps::adjuster {
 
 // Before the first answer it asks for what the value is.
 void Adjuster::step(AdjusterPorts& ports) {
@@ -18,4 +18,4 @@ void Adjuster::step(AdjusterPorts& ports) {
     });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::adjuster

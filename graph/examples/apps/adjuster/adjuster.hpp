@@ -3,11 +3,11 @@
 
 #include "adjuster_ports.hpp"
 
-namespace stator {
+namespace stator::apps::adjuster {
 
 class Adjuster {
   public:
     void step(AdjusterPorts& ports);
 };
 
-}  // namespace stator
+}  // namespace stator::apps::adjuster

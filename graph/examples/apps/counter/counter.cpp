@@ -1,6 +1,6 @@
 #include "counter.hpp"
 
-namespace stator {
+namespace stator::apps::counter {
 
 void Counter::step(CounterPorts& ports) {
     if (static_cast<float>(ports.now) < ports.params->rest * 1e6F) return;
@@ -10,4 +10,4 @@ void Counter::step(CounterPorts& ports) {
         [&] { return Count{.timestamp_sample = ports.now, .value = first + counted_}; });
 }
 
-}  // namespace stator
+}  // namespace stator::apps::counter

@@ -5,7 +5,7 @@
 
 #include "counter_ports.hpp"
 
-namespace stator {
+namespace stator::apps::counter {
 
 class Counter {
   public:
@@ -15,4 +15,4 @@ class Counter {
     uint32_t counted_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::counter

@@ -5,7 +5,7 @@
 
 #include "mode_switch_ports.hpp"
 
-namespace stator {
+namespace stator::apps::mode_switch {
 
 class ModeSwitch {
   public:
@@ -15,4 +15,4 @@ class ModeSwitch {
     uint8_t mode_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::mode_switch

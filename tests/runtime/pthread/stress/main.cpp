@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "../topic_rig.hpp"
-#include "hammer.hpp"
+#include "apps/hammer/hammer.hpp"
 #include "stator/answers.hpp"
 #include "stator/pthread.hpp"
 #include "tasks.hpp"
@@ -16,6 +16,7 @@
 namespace {
 
 using namespace stator;
+using apps::hammer::is_whole;
 
 void expect_rest(const Topic& topic, const char* name) {
     const bool at_rest = stator::testing::is_at_rest(topic);

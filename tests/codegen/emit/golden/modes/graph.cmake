@@ -12,11 +12,15 @@ set(graph_sources
     modes.cpp
     executor.cpp
 )
-# Folders of apps and drivers: each becomes a target of its own.
+# Apps and drivers, each a target of its own: its name, whose ports it has, its folder.
 set(graph_libraries
-    [==[adder=@ROOT@/graph/examples/apps/adder]==]
-    [==[counter=@ROOT@/graph/examples/apps/counter]==]
-    [==[mode_switch=@ROOT@/graph/examples/apps/mode_switch]==]
+    [==[adder=adder=@ROOT@/graph/examples/apps/adder]==]
+    [==[counter=counter=@ROOT@/graph/examples/apps/counter]==]
+    [==[mode_switch=mode_switch=@ROOT@/graph/examples/apps/mode_switch]==]
+)
+# Where apps/ and drivers/ are.
+set(graph_roots
+    [==[@ROOT@/graph/examples]==]
 )
 set(graph_inputs
     [==[@ROOT@/graph/examples/apps/adder/adder.yaml]==]

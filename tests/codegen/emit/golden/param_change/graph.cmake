@@ -11,11 +11,16 @@ set(graph_sources
     parameter_table.cpp
     executor.cpp
 )
-# Folders of apps and drivers: each becomes a target of its own.
+# Apps and drivers, each a target of its own: its name, whose ports it has, its folder.
 set(graph_libraries
-    [==[adjuster=@ROOT@/graph/examples/apps/adjuster]==]
-    [==[counter=@ROOT@/graph/examples/apps/counter]==]
-    [==[parameters=@ROOT@/apps/parameters]==]
+    [==[adjuster=adjuster=@ROOT@/graph/examples/apps/adjuster]==]
+    [==[counter=counter=@ROOT@/graph/examples/apps/counter]==]
+    [==[parameters=parameters=@ROOT@/apps/parameters]==]
+)
+# Where apps/ and drivers/ are.
+set(graph_roots
+    [==[@ROOT@/graph/examples]==]
+    [==[@ROOT@]==]
 )
 set(graph_inputs
     [==[@ROOT@/apps/parameters/parameters.yaml]==]

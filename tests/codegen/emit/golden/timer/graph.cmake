@@ -8,9 +8,13 @@ set(graph_sources
     parameters.cpp
     executor.cpp
 )
-# Folders of apps and drivers: each becomes a target of its own.
+# Apps and drivers, each a target of its own: its name, whose ports it has, its folder.
 set(graph_libraries
-    [==[counter=@ROOT@/graph/examples/apps/counter]==]
+    [==[counter=counter=@ROOT@/graph/examples/apps/counter]==]
+)
+# Where apps/ and drivers/ are.
+set(graph_roots
+    [==[@ROOT@/graph/examples]==]
 )
 set(graph_inputs
     [==[@ROOT@/graph/examples/apps/counter/counter.yaml]==]

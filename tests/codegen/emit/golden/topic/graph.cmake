@@ -10,10 +10,14 @@ set(graph_sources
     parameters.cpp
     executor.cpp
 )
-# Folders of apps and drivers: each becomes a target of its own.
+# Apps and drivers, each a target of its own: its name, whose ports it has, its folder.
 set(graph_libraries
-    [==[adder=@ROOT@/graph/examples/apps/adder]==]
-    [==[counter=@ROOT@/graph/examples/apps/counter]==]
+    [==[adder=adder=@ROOT@/graph/examples/apps/adder]==]
+    [==[counter=counter=@ROOT@/graph/examples/apps/counter]==]
+)
+# Where apps/ and drivers/ are.
+set(graph_roots
+    [==[@ROOT@/graph/examples]==]
 )
 set(graph_inputs
     [==[@ROOT@/graph/examples/apps/adder/adder.yaml]==]

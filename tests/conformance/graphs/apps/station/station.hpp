@@ -4,7 +4,7 @@
 #include "../../trace.hpp"
 #include "station_ports.hpp"
 
-namespace stator {
+namespace stator::apps::station {
 
 class Station {
   public:
@@ -31,4 +31,4 @@ class Station {
     uint32_t published_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::station

@@ -4,7 +4,7 @@
 #include "../../trace.hpp"
 #include "switcher_ports.hpp"
 
-namespace stator {
+namespace stator::apps::switcher {
 
 class Switcher {
   public:
@@ -21,4 +21,4 @@ class Switcher {
     uint8_t mode_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::switcher

@@ -20,11 +20,11 @@ bool is_pressed = false;
 
 }  // namespace
 
-ButtonTest::Device finger0{.press = [] {
+drivers::button::test::ButtonTest::Device finger0{.press = [] {
     is_pressed = true;
     set_pending({kPressedVector / 32, 1U << kPressedVector % 32});
 }};
-ButtonTest::Device button0;
+drivers::button::test::ButtonTest::Device button0;
 
 uint32_t timer_us() {
     return Clock().us();

@@ -1,13 +1,13 @@
 // What the generated graph connects to.
 #pragma once
 
-#include "button_test.hpp"
+#include "drivers/button/test/button_test.hpp"
 #include "stator/virtual.hpp"
 
 namespace stator::board {
 
-extern ButtonTest::Device finger0;
-extern ButtonTest::Device button0;
+extern drivers::button::test::ButtonTest::Device finger0;
+extern drivers::button::test::ButtonTest::Device button0;
 extern Line button0_pressed;
 
 }  // namespace stator::board

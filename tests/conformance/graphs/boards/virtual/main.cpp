@@ -7,8 +7,8 @@ namespace stator {
 
 namespace board {
 
-ButtonTest::Device finger0{.press = [] { button0_pressed.raise(); }};
-ButtonTest::Device button0;
+drivers::button::test::ButtonTest::Device finger0{.press = [] { button0_pressed.raise(); }};
+drivers::button::test::ButtonTest::Device button0;
 Line button0_pressed;
 
 uint64_t next_event_us() {

@@ -3,10 +3,10 @@
 
 #include "heart_ports.hpp"
 
-namespace stator {
+namespace stator::apps::heart {
 
 struct Heart {
     void step(HeartPorts&) {}
 };
 
-}  // namespace stator
+}  // namespace stator::apps::heart

@@ -4,12 +4,12 @@
 #include "../wrecker/wrecker.hpp"
 #include "source_ports.hpp"
 
-namespace stator {
+namespace stator::apps::source {
 
 class Source {
   public:
     void step(SourcePorts& ports) {
-        if (++number_ > 50 && was_told("silence")) return;
+        if (++number_ > 50 && wrecker::was_told("silence")) return;
         ports.beat.publish([&] { return Beat{.number = number_}; });
     }
 
@@ -17,4 +17,4 @@ class Source {
     uint32_t number_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::source

@@ -5,7 +5,7 @@
 
 #include "stator/executor.hpp"
 
-namespace stator {
+namespace stator::apps::wrecker {
 
 namespace {
 
@@ -64,4 +64,4 @@ void Wrecker::step(WreckerPorts&) {
     if (was_told("assertion")) require(false, "the wrecker was told to fail");
 }
 
-}  // namespace stator
+}  // namespace stator::apps::wrecker

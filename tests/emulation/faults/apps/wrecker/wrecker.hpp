@@ -3,7 +3,7 @@
 
 #include "wrecker_ports.hpp"
 
-namespace stator {
+namespace stator::apps::wrecker {
 
 // True if the word stands on the command line that the emulator gives the firmware.
 bool was_told(const char* word);
@@ -13,4 +13,4 @@ class Wrecker {
     void step(WreckerPorts& ports);
 };
 
-}  // namespace stator
+}  // namespace stator::apps::wrecker

@@ -4,7 +4,7 @@
 #include "../../../../../boards/qemu_f405/semihosting.hpp"
 #include "../../counting.hpp"
 
-namespace stator {
+namespace stator::apps::cost {
 
 namespace {
 
@@ -85,4 +85,4 @@ void Cost::step(CostPorts& /*ports*/) {
     semihosting::exit(0);
 }
 
-}  // namespace stator
+}  // namespace stator::apps::cost

@@ -5,7 +5,9 @@
 #include "cost_ports.hpp"
 #include "stator/geodesy.hpp"
 
-namespace stator {
+namespace stator::apps::cost {
+
+using namespace navigation;
 
 class Cost {
   public:
@@ -31,4 +33,4 @@ class Cost {
     uint32_t global_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::cost

@@ -3,7 +3,7 @@
 
 #include "latest_reader_ports.hpp"
 
-namespace stator {
+namespace stator::apps::latest_reader {
 
 class LatestReader {
   public:
@@ -17,4 +17,4 @@ class LatestReader {
     uint32_t sum_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::latest_reader

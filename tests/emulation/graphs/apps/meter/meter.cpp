@@ -4,7 +4,7 @@
 #include "../../../../../boards/qemu_f405/semihosting.hpp"
 #include "../../counting.hpp"
 
-namespace stator {
+namespace stator::apps::meter {
 
 namespace {
 
@@ -96,4 +96,4 @@ void Meter::print() const {
     semihosting::exit(0);
 }
 
-}  // namespace stator
+}  // namespace stator::apps::meter

@@ -6,7 +6,7 @@
 
 #include "meter_ports.hpp"
 
-namespace stator {
+namespace stator::apps::meter {
 
 class Meter {
   public:
@@ -35,4 +35,4 @@ class Meter {
     std::array<Range, kWays> ranges_{};
 };
 
-}  // namespace stator
+}  // namespace stator::apps::meter

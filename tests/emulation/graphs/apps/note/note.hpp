@@ -4,11 +4,11 @@
 #include "../../journal.hpp"
 #include "note_ports.hpp"
 
-namespace stator {
+namespace stator::apps::note {
 
 class Note {
   public:
     void step(NotePorts& ports) { journal::note(ports.params->id); }
 };
 
-}  // namespace stator
+}  // namespace stator::apps::note

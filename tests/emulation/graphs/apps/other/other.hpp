@@ -3,7 +3,7 @@
 
 #include "other_ports.hpp"
 
-namespace stator {
+namespace stator::apps::other {
 
 class Other {
   public:
@@ -15,4 +15,4 @@ class Other {
     }
 };
 
-}  // namespace stator
+}  // namespace stator::apps::other

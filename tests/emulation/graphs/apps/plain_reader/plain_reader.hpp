@@ -3,7 +3,7 @@
 
 #include "plain_reader_ports.hpp"
 
-namespace stator {
+namespace stator::apps::plain_reader {
 
 class PlainReader {
   public:
@@ -16,4 +16,4 @@ class PlainReader {
     uint32_t sum_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::plain_reader

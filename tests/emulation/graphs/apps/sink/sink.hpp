@@ -4,11 +4,11 @@
 #include "../../counting.hpp"
 #include "sink_ports.hpp"
 
-namespace stator {
+namespace stator::apps::sink {
 
 class Sink {
   public:
     void step(SinkPorts& ports) { counting::reach(counting::Place::kStep, &*ports.sample); }
 };
 
-}  // namespace stator
+}  // namespace stator::apps::sink

@@ -4,7 +4,7 @@
 #include "../../journal.hpp"
 #include "switcher_ports.hpp"
 
-namespace stator {
+namespace stator::apps::switcher {
 
 class Switcher {
   public:
@@ -20,4 +20,4 @@ class Switcher {
     uint8_t mode_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::switcher

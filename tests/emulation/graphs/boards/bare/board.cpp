@@ -8,8 +8,8 @@
 
 namespace stator::board {
 
-ProbeCounted::Device probe0;
-StorageSim::Device log_storage;
+drivers::probe::counted::ProbeCounted::Device probe0;
+drivers::storage::sim::StorageSim::Device log_storage;
 
 uint32_t timer_us() {
     return Clock().us();

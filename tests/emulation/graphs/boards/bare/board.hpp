@@ -1,12 +1,12 @@
 // What the generated graph connects to.
 #pragma once
 
-#include "probe_counted.hpp"
-#include "storage_sim.hpp"
+#include "drivers/probe/counted/probe_counted.hpp"
+#include "drivers/storage/sim/storage_sim.hpp"
 
 namespace stator::board {
 
-extern ProbeCounted::Device probe0;
-extern StorageSim::Device log_storage;
+extern drivers::probe::counted::ProbeCounted::Device probe0;
+extern drivers::storage::sim::StorageSim::Device log_storage;
 
 }  // namespace stator::board

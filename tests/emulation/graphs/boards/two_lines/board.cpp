@@ -7,8 +7,8 @@
 
 namespace stator::board {
 
-SwitchTest::Device switch0;
-SwitchTest::Device switch1;
+drivers::contact::test::ContactTest::Device switch0;
+drivers::contact::test::ContactTest::Device switch1;
 
 namespace {
 

@@ -1,11 +1,11 @@
 // What the generated graph connects to.
 #pragma once
 
-#include "switch_test.hpp"
+#include "drivers/contact/test/contact_test.hpp"
 
 namespace stator::board {
 
-extern SwitchTest::Device switch0;
-extern SwitchTest::Device switch1;
+extern drivers::contact::test::ContactTest::Device switch0;
+extern drivers::contact::test::ContactTest::Device switch1;
 
 }  // namespace stator::board

@@ -7,7 +7,7 @@
 
 #include "tuner_ports.hpp"
 
-namespace stator {
+namespace stator::apps::tuner {
 
 class Tuner {
   public:
@@ -57,4 +57,4 @@ class Tuner {
     size_t next_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::tuner

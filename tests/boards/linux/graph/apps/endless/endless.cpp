@@ -1,6 +1,6 @@
 #include "endless.hpp"
 
-namespace stator {
+namespace stator::apps::endless {
 
 void Endless::step(EndlessPorts& ports) {
     const uint32_t counted = counted_ + 1;
@@ -10,4 +10,4 @@ void Endless::step(EndlessPorts& ports) {
     }
 }
 
-}  // namespace stator
+}  // namespace stator::apps::endless

@@ -5,7 +5,7 @@
 
 #include "endless_ports.hpp"
 
-namespace stator {
+namespace stator::apps::endless {
 
 class Endless {
   public:
@@ -15,4 +15,4 @@ class Endless {
     volatile uint32_t counted_ = 0;  // volatile: a loop without effects may be left out
 };
 
-}  // namespace stator
+}  // namespace stator::apps::endless

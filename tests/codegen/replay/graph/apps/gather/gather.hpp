@@ -5,7 +5,7 @@
 
 #include "gather_ports.hpp"
 
-namespace stator {
+namespace stator::apps::gather {
 
 class Gather {
   public:
@@ -27,4 +27,4 @@ class Gather {
     float sum_ = 0.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::gather

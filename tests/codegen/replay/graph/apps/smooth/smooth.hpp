@@ -3,7 +3,7 @@
 
 #include "smooth_ports.hpp"
 
-namespace stator {
+namespace stator::apps::smooth {
 
 class Smooth {
   public:
@@ -22,4 +22,4 @@ class Smooth {
     float value_ = 0.0F;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::smooth

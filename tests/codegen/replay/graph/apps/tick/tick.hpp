@@ -5,7 +5,7 @@
 
 #include "tick_ports.hpp"
 
-namespace stator {
+namespace stator::apps::tick {
 
 class Tick {
   public:
@@ -20,4 +20,4 @@ class Tick {
     int32_t counted_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::tick

@@ -4,7 +4,7 @@
 #include "../../../trace.hpp"
 #include "button_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::button::test {
 
 class ButtonTest {
   public:
@@ -33,4 +33,4 @@ class ButtonTest {
     uint32_t activations_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::button::test

@@ -4,7 +4,7 @@
 #include "stator/scalar.hpp"
 #include "throttle_ports.hpp"
 
-namespace stator {
+namespace stator::apps::throttle {
 
 struct Throttle {
     void step(ThrottlePorts& ports) {
@@ -22,4 +22,4 @@ struct Throttle {
     }
 };
 
-}  // namespace stator
+}  // namespace stator::apps::throttle

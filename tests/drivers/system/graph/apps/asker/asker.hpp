@@ -3,7 +3,7 @@
 
 #include "asker_ports.hpp"
 
-namespace stator {
+namespace stator::apps::asker {
 
 class Asker {
   public:
@@ -29,4 +29,4 @@ class Asker {
     bool is_counted_ = false;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::asker

@@ -4,7 +4,7 @@
 #include "../../../counting.hpp"
 #include "probe_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::probe::counted {
 
 class ProbeCounted {
   public:
@@ -25,4 +25,4 @@ class ProbeCounted {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::probe::counted

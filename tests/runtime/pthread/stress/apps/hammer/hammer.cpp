@@ -2,7 +2,7 @@
 
 #include "stator/executor.hpp"
 
-namespace stator {
+namespace stator::apps::hammer {
 
 namespace {
 
@@ -75,4 +75,4 @@ void Hammer::step(HammerPorts& ports) {
     if (ports.c) require(is_whole(*ports.c), "stress: a newest sample was reused");
 }
 
-}  // namespace stator
+}  // namespace stator::apps::hammer

@@ -6,7 +6,7 @@
 
 #include "hammer_ports.hpp"
 
-namespace stator {
+namespace stator::apps::hammer {
 
 // Whether all of a block is of one publication, by a source that there is.
 bool is_whole(const Block& block);
@@ -33,4 +33,4 @@ class Hammer {
     uint32_t random_ = 1;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::hammer

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace stator::journal {
+namespace stator::apps::station::journal {
 
 struct Entry {
     int id;
@@ -35,4 +35,4 @@ inline std::vector<Entry> of(int id) {
     return found;
 }
 
-}  // namespace stator::journal
+}  // namespace stator::apps::station::journal

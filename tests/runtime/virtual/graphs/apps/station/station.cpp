@@ -3,7 +3,7 @@
 #include "journal.hpp"
 #include "stator/executor.hpp"
 
-namespace stator {
+namespace stator::apps::station {
 
 namespace journal {
 std::vector<Entry> entries;
@@ -62,4 +62,4 @@ void Station::step(StationPorts& ports) {
     journal::order += "-" + std::to_string(id) + " ";
 }
 
-}  // namespace stator
+}  // namespace stator::apps::station

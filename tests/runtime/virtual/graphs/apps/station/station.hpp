@@ -5,7 +5,7 @@
 
 #include "station_ports.hpp"
 
-namespace stator {
+namespace stator::apps::station {
 
 class Station {
   public:
@@ -16,4 +16,4 @@ class Station {
     uint32_t published_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::station

@@ -3,7 +3,7 @@
 
 #include "switcher_ports.hpp"
 
-namespace stator {
+namespace stator::apps::switcher {
 
 class Switcher {
   public:
@@ -18,4 +18,4 @@ class Switcher {
     uint8_t mode_ = 0;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::switcher

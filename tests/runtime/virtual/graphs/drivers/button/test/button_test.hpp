@@ -3,7 +3,7 @@
 
 #include "button_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::button::test {
 
 class ButtonTest {
   public:
@@ -23,4 +23,4 @@ class ButtonTest {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::button::test

@@ -6,7 +6,7 @@
 #include "messages/mode.hpp"
 #include "stator/port.hpp"
 
-namespace stator {
+namespace stator::apps::mode_switch {
 
 // Goes through the modes of a graph with two, one activation each.
 struct ModeSwitchPorts {
@@ -22,4 +22,4 @@ struct ModeSwitchPorts {
     [[gnu::always_inline]] ~ModeSwitchPorts() = default;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::mode_switch

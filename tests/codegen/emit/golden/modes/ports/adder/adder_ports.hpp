@@ -6,7 +6,7 @@
 #include "messages/count.hpp"
 #include "stator/port.hpp"
 
-namespace stator {
+namespace stator::apps::adder {
 
 // Adds up what others have counted.
 struct AdderPorts {
@@ -24,4 +24,4 @@ struct AdderPorts {
     [[gnu::always_inline]] ~AdderPorts() = default;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::adder

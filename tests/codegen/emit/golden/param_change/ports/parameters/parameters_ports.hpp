@@ -8,7 +8,7 @@
 #include "stator/parameter_port.hpp"
 #include "stator/port.hpp"
 
-namespace stator {
+namespace stator::apps::parameters {
 
 // Publishes the parameters of all nodes, and changes them on request.
 struct ParametersPorts {
@@ -26,4 +26,4 @@ struct ParametersPorts {
     [[gnu::always_inline]] ~ParametersPorts() = default;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::parameters

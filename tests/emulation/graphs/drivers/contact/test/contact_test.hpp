@@ -2,19 +2,19 @@
 #pragma once
 
 #include "../../../journal.hpp"
-#include "switch_ports.hpp"
+#include "contact_ports.hpp"
 
-namespace stator {
+namespace stator::drivers::contact::test {
 
-class SwitchTest {
+class ContactTest {
   public:
     struct Device {
         uint32_t activations = 0;
     };
 
-    explicit SwitchTest(Device& device) : device_(device) {}
+    explicit ContactTest(Device& device) : device_(device) {}
     // Says what woke it: up, down, timer.
-    void step(SwitchPorts& ports) {
+    void step(ContactPorts& ports) {
         ++device_.activations;
         journal::note(ports.params->id);
         if (ports.fired.up) semihosting::print("^");
@@ -28,4 +28,4 @@ class SwitchTest {
     Device& device_;
 };
 
-}  // namespace stator
+}  // namespace stator::drivers::contact::test

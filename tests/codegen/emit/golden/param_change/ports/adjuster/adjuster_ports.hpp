@@ -7,7 +7,7 @@
 #include "messages/parameter_value.hpp"
 #include "stator/port.hpp"
 
-namespace stator {
+namespace stator::apps::adjuster {
 
 // Lets counting begin one higher each time.
 struct AdjusterPorts {
@@ -24,4 +24,4 @@ struct AdjusterPorts {
     [[gnu::always_inline]] ~AdjusterPorts() = default;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::adjuster

@@ -7,7 +7,7 @@
 #include "messages/counter_params.hpp"
 #include "stator/port.hpp"
 
-namespace stator {
+namespace stator::apps::counter {
 
 // Counts its own activations.
 struct CounterPorts {
@@ -24,4 +24,4 @@ struct CounterPorts {
     [[gnu::always_inline]] ~CounterPorts() = default;
 };
 
-}  // namespace stator
+}  // namespace stator::apps::counter
