@@ -1,7 +1,7 @@
-"""Installs what `./stator` found missing: Debian packages, and the Python environment (.venv).
+"""Installs what `./stator` needs: missing Debian packages, and the Python environment (.venv).
 
-Standard library only, since it runs before anything is installed. Arguments: the stamp's first
-line, then the missing packages.
+It uses the standard library only, because it runs before anything is installed. Arguments: the
+first line of the stamp, then the missing packages.
 """
 
 import fcntl
@@ -21,15 +21,15 @@ LOG = ROOT / "build" / "setup.log"
 APT = Path("/etc/apt")
 NOT_DONE = 2  # the exit status: codegen/stator/diagnostics.py
 OS_RELEASE = Path("/etc/os-release")
-# Too old in the release itself, with the packages that have to come from the same place.
+# Packages that are too old in the release, and those that must come from backports with them.
 QEMU = ["qemu-system-arm", "qemu-system-common", "qemu-system-data"]
 FROM_BACKPORTS = {"bookworm": {"qemu-system-arm": QEMU}}
-# Set by some users for other projects; here they would put the packages elsewhere.
+# Some users set these for other projects; here they would move the packages elsewhere.
 UNWANTED_VARIABLES = ("PIP_TARGET", "PIP_PREFIX", "PIP_USER")
 
 
 class SetUpError(Exception):
-    """What could not be installed and why, and the commands that do it by hand."""
+    """An installation failed: the reason, and the commands to do it by hand."""
 
     def __init__(self, reason: str, by_hand: list[str]) -> None:
         super().__init__(reason)
@@ -45,8 +45,8 @@ def shell(*words: str | Path) -> str:
 
 
 def run(lock: IO[str], *command: str | Path) -> bool:
-    """Runs a command with its output in the log. It inherits the lock, so that one left behind by a
-    killed set-up keeps the next one waiting until it has ended."""
+    """Runs a command with its output in the log. The command inherits the lock: after a killed
+    set-up, the next one waits until the command has ended."""
     environment = {k: v for k, v in os.environ.items() if k not in UNWANTED_VARIABLES}
     with LOG.open("a", encoding="utf-8") as log:
         print(f"$ {shell(*command)}", file=log, flush=True)
@@ -85,7 +85,7 @@ def release() -> str:
 
 
 def backports_source(suite: str) -> str:
-    """A source of apt for backports: where this system's own packages of the release come from."""
+    """The apt source of backports, on the same server as the release's packages."""
     for file in sorted((APT / "sources.list.d").glob("*.sources")):
         for entry in file.read_text(encoding="utf-8").split("\n\n"):
             pairs = [line.partition(":") for line in entry.splitlines() if ":" in line]
@@ -103,16 +103,16 @@ def backports_source(suite: str) -> str:
                     f"Types: deb\nURIs: {words[1]}\nSuites: {suite}-backports\nComponents: main\n"
                 )
     raise SetUpError(
-        f"no source of apt names {suite}, so its backports are not found either",
-        [f"add a source with the suite {suite}-backports below {APT}, then run this again"],
+        f"missing apt source of {suite}, which is needed to find {suite}-backports",
+        [f"add a source with the suite {suite}-backports below {APT}, then repeat ./stator"],
     )
 
 
 def with_backports(
     lock: IO[str], packages: list[str], prefix: list[str]
 ) -> tuple[list[str], list[str]]:
-    """The packages, those that are too old in this release marked to come from its backports; and
-    the commands that make apt know these, or none if it does."""
+    """The packages, with a mark on those that come from backports; and the commands that add
+    backports to apt's sources, if they are needed."""
     suite = release()
     late = FROM_BACKPORTS.get(suite, {})
     if not any(package in late for package in packages):
@@ -126,7 +126,7 @@ def with_backports(
     text = shlex.quote(backports_source(suite))
     command = shell(*prefix, "sh", "-c", f"printf %s {text} > {target}")
     if not (run(lock, *shlex.split(command)) and run(lock, *prefix, "apt-get", "update")):
-        raise SetUpError(f"could not add {suite}-backports to apt's sources", [command])
+        raise SetUpError(f"cannot add {suite}-backports to apt's sources", [command])
     return marked, [command]
 
 
@@ -136,12 +136,12 @@ def install_packages(lock: IO[str], packages: list[str]) -> None:
     by_hand = [update, shell(*prefix, "apt-get", "install", *packages)]
     if shutil.which("apt-get") is None:
         raise SetUpError(
-            "there is no apt-get here to install: " + " ".join(packages),
-            ["install what these Debian packages hold, with this system's own package manager"],
+            "missing apt-get to install: " + " ".join(packages),
+            ["install these Debian packages, or the same programs, with your package manager"],
         )
     if prefix and shutil.which("sudo") is None:
         raise SetUpError(
-            "neither root nor sudo is here to install: " + " ".join(packages),
+            "missing root rights, or sudo, to install: " + " ".join(packages),
             ["as root: " + command.removeprefix("sudo ") for command in by_hand],
         )
     packages, first = with_backports(lock, packages, prefix)
@@ -152,15 +152,15 @@ def install_packages(lock: IO[str], packages: list[str]) -> None:
     apt = [*sudo, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "--yes"]
     apt += ["-o", "DPkg::Lock::Timeout=600"]
     install = [*apt, "install", "--no-install-recommends", *packages]
-    # Package lists are fetched only if the ones here do not do: none yet, or out of date.
+    # Update the package lists only if they are missing or out of date.
     if not (run(lock, *install) or (run(lock, *apt, "update") and run(lock, *install))):
         reason = f"apt-get failed to install: {' '.join(packages)}; the end of {LOG}:"
         raise SetUpError(f"{reason}\n{end_of_log()}", by_hand)
 
 
 def environment_is_usable(lock: IO[str]) -> bool:
-    """Whether packages can be added to the one that is there. An interrupted set-up leaves
-    `unfinished` in it; one made by hand, or of an older list of packages, has none."""
+    """Whether packages can be added to the existing environment. An interrupted set-up leaves
+    `unfinished` in it."""
     python = ENVIRONMENT / "bin" / "python"
     unfinished = (ENVIRONMENT / "unfinished").exists()
     return python.exists() and not unfinished and run(lock, python, "-I", "-m", "pip", "--version")
@@ -172,9 +172,9 @@ def can_make_environment() -> bool:
 
 
 def package_of_venv() -> str:
-    """Debian and Ubuntu split what makes an environment off into a package of its own."""
+    """The Debian or Ubuntu package that makes environments."""
     if sys.base_prefix != "/usr":
-        reason = f"{sys.executable} cannot make environments: it has no module ensurepip"
+        reason = f"{sys.executable} cannot make environments: missing module ensurepip"
         raise SetUpError(reason, ["STATOR_PYTHON=/path/to/another/python3 ./stator setup"])
     return f"python3.{sys.version_info.minor}-venv"
 
@@ -188,7 +188,7 @@ def make_environment(lock: IO[str], wanted_stamp: str, usable: bool) -> None:
     install = (python, "-I", "-m", "pip", "install", "--only-binary", ":all:", "-r", REQUIREMENTS)
     by_hand = f"{shell(*create, '--clear')} && {shell(*install)}"
     if not usable and not can_make_environment():
-        reason = "Python packages: they need an environment, which needs Python's module ensurepip"
+        reason = "cannot install Python packages: missing Python module ensurepip"
         raise SetUpError(reason, [by_hand])
     say(f"installing Python packages into {ENVIRONMENT} (half a minute)")
     say(f"  by hand: {by_hand}")
@@ -198,10 +198,10 @@ def make_environment(lock: IO[str], wanted_stamp: str, usable: bool) -> None:
         ENVIRONMENT.mkdir()
     unfinished.touch()
     if not ((usable or run(lock, *create)) and run(lock, *install)):
-        reason = f"Python packages: pip failed; the end of {LOG}:\n{end_of_log()}"
+        reason = f"cannot install Python packages: pip failed; the end of {LOG}:\n{end_of_log()}"
         raise SetUpError(reason, [by_hand])
     for site_packages in ENVIRONMENT.glob("lib/python*/site-packages"):
-        # Relative, so that the project can be moved, and its path may hold any character.
+        # Relative, so that the project can move, and its path can contain any character.
         relative = os.path.relpath(ROOT / "codegen", site_packages)
         (site_packages / "stator.pth").write_text(relative + "\n", encoding="utf-8")
     unfinished.unlink()
@@ -215,13 +215,13 @@ def lock_set_up() -> IO[str]:
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        say("waiting for another ./stator that is setting up")
+        say("waiting for the set-up of another ./stator")
         fcntl.flock(lock, fcntl.LOCK_EX)
     return lock
 
 
 def set_up(stamp_head: str, packages: list[str]) -> list[SetUpError]:
-    """Does all that it can, and returns what it could not do."""
+    """Installs everything that it can. Returns the problems."""
     LOG.parent.mkdir(exist_ok=True)
     problems: list[SetUpError] = []
     with lock_set_up() as lock:
@@ -246,7 +246,7 @@ def main(arguments: list[str]) -> int:
     try:
         problems = set_up(arguments[0], arguments[1:])
     except KeyboardInterrupt:
-        say("set-up interrupted; the next ./stator goes on with it")
+        say("set-up interrupted; the next ./stator continues it")
         return 130
     except OSError as error:
         say(f"error: cannot set up: {error}")

@@ -26,16 +26,16 @@ int open_socket() {
 bool is_can_interface(const char* interface) {
     const int descriptor = open_socket();
     if (descriptor < 0) {
-        std::fprintf(stderr, "error: this kernel does not support CAN (%s)\n",
-                     std::strerror(errno));
+        std::fprintf(stderr, "error: this kernel does not support CAN: %s\n", std::strerror(errno));
         return false;
     }
     ::close(descriptor);
     if (std::strlen(interface) < IFNAMSIZ && if_nametoindex(interface) != 0) return true;
-    std::fprintf(stderr,
-                 "error: unknown interface '%s'\nhint: make a virtual one: ip link add %s type "
-                 "vcan && ip link set %s up\n",
-                 interface, interface, interface);
+    std::fprintf(
+        stderr,
+        "error: unknown interface '%s'\nhint: to create a virtual one: ip link add %s type "
+        "vcan && ip link set %s up\n",
+        interface, interface, interface);
     return false;
 }
 

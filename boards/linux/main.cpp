@@ -44,8 +44,8 @@ bool is_alone(int file) {
     const int descriptor = ::open(path, O_WRONLY | O_CREAT | O_CLOEXEC, kMode);
     if (descriptor >= 0 && !is_alone(descriptor)) {
         std::fprintf(stderr,
-                     "error: '%s' is being written by another run\n"
-                     "hint: end that one, or name another log: -o LOG\n",
+                     "error: another run writes to '%s'\n"
+                     "hint: end that run, or use another log: -o LOG\n",
                      path);
         return false;
     }
@@ -59,7 +59,7 @@ bool is_alone(int file) {
 [[nodiscard]] bool close(const char* path, std::FILE* file, bool is_whole) {
     if (file == nullptr) return true;
     if (std::fclose(file) == 0 && is_whole) return true;
-    std::fprintf(stderr, "error: could not write all of '%s'\n", path);
+    std::fprintf(stderr, "error: cannot write all data to '%s'\n", path);
     return false;
 }
 
@@ -124,7 +124,7 @@ bool is_any_level_left() {
 
 void tell_unrest() {
     if (!is_any_level_left()) {
-        std::fputs("error: the graph did not come to rest within 1 s\n", stderr);
+        std::fputs("error: the graph did not stop within 1 s\n", stderr);
     }
     for (unsigned i = 0; i < program.level_count; ++i) {
         const Task* const task = unended_task(i);
@@ -177,7 +177,7 @@ void print(const board::RealWorld& world, double wall_s) {
 
 int refuse_world() {
     std::fputs(
-        "error: cannot start: no thread for the simulated world\n"
+        "error: cannot start: a thread for the simulated world\n"
         "hint: allow more threads (ulimit -u) or more memory (ulimit -v)\n",
         stderr);
     if (finish()) return 2;

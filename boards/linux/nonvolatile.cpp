@@ -57,17 +57,17 @@ bool open_nonvolatile(const char* path) {
     const int file = ::open(path, O_RDWR | O_CREAT | O_DSYNC | O_CLOEXEC, kMode);
     struct stat facts {};
     if (file < 0 || fstat(file, &facts) != 0) {
-        return refuse(path, std::strerror(errno), "name a file that may be written");
+        return refuse(path, std::strerror(errno), "use a file that you may write");
     }
     if (flock(file, LOCK_EX | LOCK_NB) != 0) {
-        return refuse(path, "another run has it", "end that one, or name another file");
+        return refuse(path, "another run uses it", "end that run, or use another file");
     }
     if (is_foreign(file, facts)) {
-        return refuse(path, "not a file of records",
-                      "name another file, or move this one away, to begin with an empty one");
+        return refuse(path, "expected a file of records, found another file",
+                      "use another file, or move this one away to begin with an empty one");
     }
     if (!make_whole(file, facts)) {
-        return refuse(path, std::strerror(errno), "make room, or name another file");
+        return refuse(path, std::strerror(errno), "free disk space, or use another file");
     }
     nonvolatile0.file = file;
     return true;

@@ -11,8 +11,8 @@ namespace stator::board {
 namespace {
 
 bool refuse(std::string_view name, std::string_view value, const char* expected) {
-    std::fprintf(stderr, "error: %.*s '%.*s': expected %s\n", static_cast<int>(name.size()),
-                 name.data(), static_cast<int>(value.size()), value.data(), expected);
+    std::fprintf(stderr, "error: %.*s: expected %s, found '%.*s'\n", static_cast<int>(name.size()),
+                 name.data(), expected, static_cast<int>(value.size()), value.data());
     return false;
 }
 
@@ -20,14 +20,14 @@ bool take_speed(std::string_view value, double& speed) {
     const char* const end = value.data() + value.size();
     const auto [stop, error] = std::from_chars(value.data(), end, speed);
     return (error == std::errc{} && stop == end && speed > 0.0 && speed <= 1.0) ||
-           refuse("--speed", value, "a factor above 0 and at most 1, which is real time");
+           refuse("--speed", value, "a factor above 0 and up to 1 (real time)");
 }
 
 bool take_cpus(std::string_view value, uint64_t& cpus) {
     const char* const end = value.data() + value.size();
     const auto [stop, error] = std::from_chars(value.data(), end, cpus, 16);
     return (error == std::errc{} && stop == end && cpus != 0) ||
-           refuse("--cpus", value, "a mask of processors, such as 3 for the first two");
+           refuse("--cpus", value, "a mask of processors, for example 3 for the first two");
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ struct Options {
     if (board::log_storage.file == nullptr) return true;
     const bool closed = std::fclose(board::log_storage.file) == 0;
     if (closed && board::log_storage.errors == 0) return true;
-    std::fprintf(stderr, "error: could not write all of '%s'\n", path);
+    std::fprintf(stderr, "error: cannot write all data to '%s'\n", path);
     return false;
 }
 
@@ -54,7 +54,7 @@ struct Options {
 int main(int count, char** arguments) {
     Options options;
     if (!parse(count, arguments, options)) {
-        std::fputs("error: wrong arguments: known are --recording FILE, and --log FILE\n", stderr);
+        std::fputs("error: expected the options --recording FILE and --log FILE\n", stderr);
         return 2;
     }
     board::Recording recording;

@@ -34,15 +34,15 @@ bool Recording::load(const char* path) {
     if (bytes < 0) return refuse(path, std::strerror(errno));
     const std::size_t count = static_cast<std::size_t>(bytes) / sizeof(Row);
     if (count == 0 || static_cast<std::size_t>(bytes) % sizeof(Row) != 0)
-        return refuse(path, "its size is not that of rows of 12 64-bit numbers");
+        return refuse(path, "expected rows of 12 64-bit numbers, found another size");
     rows_.resize(count);
     std::rewind(file.get());
     if (std::fread(rows_.data(), sizeof(Row), count, file.get()) != count)
-        return refuse(path, "it ends too early");
+        return refuse(path, "it is incomplete");
     for (std::size_t row = 0; row < count; ++row) {
         const double earliest = row == 0 ? 0.0 : rows_[row - 1].arrival_us;
         if (!(rows_[row].arrival_us >= earliest && rows_[row].arrival_us < kLatest_us))
-            return refuse(path, "its rows are not in order of time");
+            return refuse(path, "expected rows in order of time, found another order");
     }
     return true;
 }

@@ -47,7 +47,7 @@ struct Run {
 [[nodiscard]] bool close(const char* path, std::FILE* file, bool is_whole) {
     if (file == nullptr) return true;
     if (std::fclose(file) == 0 && is_whole) return true;
-    std::fprintf(stderr, "error: could not write all of '%s'\n", path);
+    std::fprintf(stderr, "error: cannot write all data to '%s'\n", path);
     return false;
 }
 
@@ -72,7 +72,8 @@ void run_paced(const world::Options& options) {
         const std::string list = "," + std::string(text);
         const std::size_t at = list.find(key);
         if (at == std::string::npos) {
-            std::fprintf(stderr, "error: --budgets: none for '%s'\n", program.tasks[i].name);
+            std::fprintf(stderr, "error: --budgets: missing budget of '%s'\n",
+                         program.tasks[i].name);
             return false;
         }
         const char* const digits = list.c_str() + at + key.size();
@@ -122,8 +123,7 @@ int main(int count, char** arguments) {
     std::FILE* truth = nullptr;
     if (!world::parse(count, arguments, options)) return 2;
     if ((options.random_times || options.budgets != nullptr) && !kHasPreemptionPoints) {
-        std::fputs("error: --times needs preemption points, which this build does not have\n",
-                   stderr);
+        std::fputs("error: --times needs a build with preemption points\n", stderr);
         return 2;
     }
     std::vector<std::uint32_t> budgets;

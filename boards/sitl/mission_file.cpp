@@ -20,8 +20,9 @@ bool read_mission(const char* path, Mission& mission) {
     const bool has_more = std::fgetc(file) != EOF;
     std::fclose(file);
     if (has_all && !has_more) return true;
-    std::fprintf(stderr, "error: --mission '%s': expected the %zu bytes of a mission\n", path,
-                 sizeof mission);
+    std::fprintf(stderr,
+                 "error: --mission: expected a file of %zu bytes, found another size: '%s'\n",
+                 sizeof mission, path);
     return false;
 }
 

@@ -21,7 +21,7 @@ constexpr double kFastest = 1e4;
 constexpr double kStrongest = 50.0;  // m/s, a wind in which nothing flies
 
 bool refuse(const char* option, const char* value, const char* expected) {
-    std::fprintf(stderr, "error: %s '%s': expected %s\n", option, value, expected);
+    std::fprintf(stderr, "error: %s: expected %s, found '%s'\n", option, expected, value);
     return false;
 }
 
@@ -34,7 +34,7 @@ bool read_number(std::string_view text, Number& number) {
 bool read_duration(const char* text, std::uint64_t& duration_us) {
     double seconds = 0.0;
     if (!read_number(text, seconds) || !(seconds > 0.0 && seconds <= kLongest_s)) {
-        return refuse("--duration", text, "a number of seconds, above 0 and at most 1000000");
+        return refuse("--duration", text, "seconds above 0 and up to 1000000");
     }
     duration_us = math::saturate<std::uint64_t>(math::round(seconds * 1e6));
     return true;
@@ -42,7 +42,7 @@ bool read_duration(const char* text, std::uint64_t& duration_us) {
 
 bool read_speed(const char* text, double& speed) {
     if (read_number(text, speed) && speed > 0.0 && speed <= kFastest) return true;
-    return refuse("--speed", text, "a factor above 0 and at most 10000");
+    return refuse("--speed", text, "a factor above 0 and up to 10000");
 }
 
 bool read_times(const char* text, bool& random_times) {
@@ -56,7 +56,7 @@ bool read_times(const char* text, bool& random_times) {
 
 bool read_path(const char* option, const char* value, const char*& path) {
     path = value;
-    return *value != '\0' || refuse(option, value, "a file");
+    return *value != '\0' || refuse(option, value, "a path");
 }
 
 bool read_pilot(const char* path, Pilot& pilot) {
@@ -73,7 +73,7 @@ bool read_pilot(const char* path, Pilot& pilot) {
     }
     const bool is_read = std::ferror(file) == 0;
     std::fclose(file);
-    const std::string wrong = is_read ? pilot.follow(script) : "cannot be read";
+    const std::string wrong = is_read ? pilot.follow(script) : "cannot read the file";
     if (wrong.empty()) return true;
     std::fprintf(stderr, "error: --pilot '%s': %s\n", path, wrong.c_str());
     return false;
@@ -82,11 +82,11 @@ bool read_pilot(const char* path, Pilot& pilot) {
 bool add_fault(const char* text, Faults& faults) {
     if (const auto fault = read_fault(text)) {
         if (faults.add(*fault)) return true;
-        return refuse("--fail", text, "no more than 16 times");
+        return refuse("--fail", text, "at most 16 failures");
     }
     std::fprintf(stderr,
-                 "error: --fail '%s': expected WHAT@SECONDS or WHAT@SECONDS+SECONDS, where WHAT is "
-                 "one of %s\n",
+                 "error: --fail: expected WHAT@SECONDS or WHAT@SECONDS+SECONDS, found '%s'\n"
+                 "hint: WHAT is one of %s\n",
                  text, kFaultNames);
     return false;
 }
@@ -100,13 +100,13 @@ bool read_vary(const char* text, bool& vary) {
 
 bool read_wind(const char* text, double& speed) {
     return (read_number(text, speed) && speed >= 0.0 && speed <= kStrongest) ||
-           refuse("--wind", text, "a number of m/s from 0 to 50");
+           refuse("--wind", text, "m/s from 0 to 50");
 }
 
 bool read_direction(const char* text, double& from) {
     double degrees = 0.0;
     if (!read_number(text, degrees) || !(degrees >= -360.0 && degrees <= 360.0)) {
-        return refuse("--wind-from", text, "a number of degrees from -360 to 360");
+        return refuse("--wind-from", text, "degrees from -360 to 360");
     }
     from = degrees * (math::kPi<double> / 180.0);
     return true;
@@ -141,7 +141,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--gusts") return read_gusts(value, options.conditions.wind.gusts);
     if (option == "--fail") return add_fault(value, options.conditions.faults);
     std::fprintf(stderr,
-                 "error: unknown argument '%s': known are --log FILE, --truth FILE, --seed N, "
+                 "error: unknown option '%s'\nhint: known: --log FILE, --truth FILE, --seed N, "
                  "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
                  "--wind M_S, "
                  "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
@@ -154,7 +154,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
 
 bool parse(int count, const char* const* arguments, Options& options) {
     for (int i = 1; i < count; i += 2) {
-        // Past the last argument stands a null pointer.
+        // The element behind the last argument is a null pointer.
         const char* const value = i + 1 < count ? arguments[i + 1] : "";
         if (!read_value(arguments[i], value, options)) return false;
     }

@@ -84,11 +84,12 @@ std::string Pilot::follow(std::string_view script) {
         PilotFrame frame;
         if (!read(line, frame)) {
             return "line " + std::to_string(number) +
-                   ": wanted are: seconds roll pitch yaw throttle (-1 to 1) mode_slot (0 to 6) arm "
+                   ": expected: seconds roll pitch yaw throttle (-1 to 1) mode_slot (0 to 6) arm "
                    "return kill (0 or 1)";
         }
         if (frame.time_us < frames.back().time_us) {
-            return "line " + std::to_string(number) + ": is earlier than the line before";
+            return "line " + std::to_string(number) +
+                   ": expected a time not before that of the line above";
         }
         frames.push_back(frame);
     }

@@ -11,35 +11,36 @@ from stator.diagnostics import INTERRUPTED, NOT_DONE, Failed, UserError, show_er
 
 
 class Command(NamedTuple):
-    """A command, whose code is `commands/NAME.py`. ./stator reads these rows, too: one a line."""
+    """A command; its code is `commands/NAME.py`. ./stator reads these rows too, so write one row a
+    line."""
 
     name: str
-    packages: str  # of requirements-apt.txt: "", the name of one, "host" (all but Arm's) or "all"
+    packages: str  # of requirements-apt.txt: "", one name, "host" (all except Arm's) or "all"
     help: str
 
 
 COMMANDS = (
-    Command("check", "", "check a graph and show what it needs"),
+    Command("check", "", "check a graph and show its plan"),
     Command("gen", "", "write the C++ of a graph"),
     Command("graph", "graphviz", "draw a graph"),
-    Command("explain", "", "say why a node runs when and where it does"),
+    Command("explain", "", "explain when a node runs, and why"),
     Command("new", "", "write a new app or graph"),
-    Command("fly", "host", "fly a graph in simulation and report"),
-    Command("run", "host", "run a graph in real time on this machine and report"),
-    Command("build", "all", "build a graph's firmware and show what it takes"),
-    Command("flash", "all", "put a graph's firmware onto a board"),
-    Command("emulate", "all", "fly a graph's firmware in an emulator and report"),
-    Command("top", "", "show what each task of a running vehicle does"),
-    Command("listener", "", "print samples of a topic of a running vehicle"),
-    Command("perf", "", "show measurements of a running vehicle beside their bounds"),
-    Command("plot", "", "draw a flight from its log"),
+    Command("fly", "host", "fly a graph in simulation and judge the flight"),
+    Command("run", "host", "run a graph in real time on this machine"),
+    Command("build", "all", "build the firmware of a graph and show its size"),
+    Command("flash", "all", "write the firmware of a graph to a board"),
+    Command("emulate", "all", "fly the firmware of a graph in an emulator"),
+    Command("top", "", "show the tasks of a running vehicle"),
+    Command("listener", "", "print the samples of a topic of a running vehicle"),
+    Command("perf", "", "show the measured times of a running vehicle beside their bounds"),
+    Command("plot", "", "draw plots of a flight from its log"),
     Command("replay", "host", "repeat a recorded flight and compare every sample"),
-    Command("score", "host", "score an estimator on recordings"),
-    Command("bench", "host", "measure against peers, as ratios within one run"),
-    Command("test", "all", "run every test"),
-    Command("lint", "host", "check format and style"),
+    Command("score", "host", "score an estimator on recorded sensor data"),
+    Command("bench", "host", "compare speed with other software, as ratios within one run"),
+    Command("test", "all", "run all tests"),
+    Command("lint", "host", "check the format and style of the code"),
     Command("schema", "", "print the JSON Schema of graph files, for editors"),
-    Command("setup", "all", "install what is missing"),  # done by ./stator itself
+    Command("setup", "all", "install missing tools and packages"),  # done by ./stator itself
 )
 
 
@@ -59,10 +60,10 @@ def main(argv: list[str]) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return NOT_DONE
-    except OSError as failed:  # of this machine: no room, no permission, no program
+    except OSError as failed:  # disk full, no permission, missing program
         print(f"error: cannot use '{failed.filename}': {failed.strerror}", file=sys.stderr)
         if isinstance(failed, FileNotFoundError):
-            print("hint: if it is a program, ./stator setup installs it", file=sys.stderr)
+            print("hint: if it is a program, install it with ./stator setup", file=sys.stderr)
         return NOT_DONE
 
 
@@ -77,7 +78,7 @@ def _run(argv: list[str]) -> int:
 
 
 def _parser(chosen: str) -> argparse.ArgumentParser:
-    """Only the chosen command is imported: `check` starts fast."""
+    """Imports only the chosen command, so that `check` starts fast."""
     parser = argparse.ArgumentParser(
         prog="stator", description="Flight software from one YAML graph."
     )

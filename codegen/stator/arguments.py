@@ -9,10 +9,10 @@ from pathlib import Path
 def path(text: str) -> Path:
     """An argument that names a file or folder."""
     if not text:
-        raise argparse.ArgumentTypeError("the name is empty")
+        raise argparse.ArgumentTypeError("expected a path, found nothing")
     return Path(text)
 
 
 def add_graph_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("graph", help="a graph file, such as graph/quad.yaml")
-    parser.add_argument("--board", help="bind the devices of this board instead of the graph's own")
+    parser.add_argument("graph", help="graph file, for example graph/quad.yaml")
+    parser.add_argument("--board", help="build for this board instead of the graph's own")

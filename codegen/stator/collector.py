@@ -1,6 +1,6 @@
-"""Keeps Python's cycle collector out of the compiler, which makes many small objects and no cycles:
-looking through them again and again would make a graph of ten times the nodes take twenty times as
-long."""
+"""Turns Python's cycle collector off while the compiler runs. The compiler makes many small objects
+and no cycles; the collector would scan them all repeatedly, and ten times the nodes would take
+twenty times as long."""
 
 from __future__ import annotations
 

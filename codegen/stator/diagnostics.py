@@ -1,4 +1,4 @@
-"""What the compiler tells a user about a mistake: where, what, and what to do."""
+"""Errors as the user reads them: where, what is wrong, and what to do."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from stator.rules import RULES
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-# What a command's exit status says, the same for all of them: docs/json.md. 0 is success.
-ANSWER_IS_NO = 1  # it did what was asked, and the answer is no: errors found, a failed flight
-NOT_DONE = 2  # it could not do what was asked
+# Exit statuses, the same for all commands: docs/json.md. 0 is success.
+ANSWER_IS_NO = 1  # the command ran, and the answer is no: errors found, a failed flight
+NOT_DONE = 2  # the command could not run
 INTERRUPTED = 130
 
-MOST_BYTES = 16 * 1024 * 1024  # of one file
+MAX_BYTES = 16 * 1024 * 1024  # of one file
 # A longer source line is shown in part, around the caret.
-MOST_COLUMNS = 160
-MOST_CHARACTERS = 400  # of a message or a hint
-# Names that are compared for hints, over all errors of one run: a file of nothing but mistakes must
-# not take minutes.
-MOST_COMPARED = 200_000
-_LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")  # what YAML takes for the end of a line
+MAX_COLUMNS = 160
+MAX_CHARACTERS = 400  # of a message or a hint
+# Names compared for hints, over all errors of one run: a file full of mistakes must not take
+# minutes.
+MAX_COMPARED = 200_000
+_LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")  # the ends of a line in YAML
 
 
 class Mark(NamedTuple):
@@ -76,15 +76,15 @@ class Failed(Exception):
 
 
 class UserError(Exception):
-    """What the user asked for cannot be done; the message says why, and what to do."""
+    """The command cannot do what the user asked; the message says why, and what to do."""
 
 
 class BuildFailed(UserError):
-    """CMake or the compiler failed; the message is what they said."""
+    """CMake or the compiler failed; the message is their output."""
 
 
 class Report:
-    """Collects errors, so that a user sees all of them, in order of position."""
+    """Collects errors; the user sees all of them, in order of position."""
 
     def __init__(self) -> None:
         self._errors: dict[tuple[Mark, str, str], Error] = {}
@@ -96,24 +96,24 @@ class Report:
         self._errors.setdefault((mark, rule, error.message), error)
 
     def nearest(self, name: str, names: Iterable[str]) -> str:
-        """A hint that names what the user may have meant."""
+        """A hint with the name that the user may have meant."""
         known = list(names)
         self._compared += len(known)
-        return nearest(name, known) if self._compared <= MOST_COMPARED else ""
+        return nearest(name, known) if self._compared <= MAX_COMPARED else ""
 
     def __len__(self) -> int:
         return len(self._errors)
 
     def stop_on_errors(self) -> None:
-        """Ends the compilation here if anything was wrong so far."""
+        """Raises `Failed` if there is an error so far."""
         if self._errors:
             raise Failed([self._errors[key] for key in sorted(self._errors)])
 
 
 def _one_line(text: str) -> str:
-    """Messages quote what users wrote, which may hold anything and be long."""
+    """Messages quote the user's text, which may hold any character and be long."""
     shown = text if text.isprintable() else "".join(c if c.isprintable() else "?" for c in text)
-    return shown if len(shown) <= MOST_CHARACTERS else shown[:MOST_CHARACTERS] + "..."
+    return shown if len(shown) <= MAX_CHARACTERS else shown[:MAX_CHARACTERS] + "..."
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
@@ -135,7 +135,7 @@ def beside(mark: Mark, other: Mark) -> str:
 
 
 def shown_path(path: Path) -> str:
-    """Relative to where the user stands, if it lies below."""
+    """Relative to the current folder, if the path is below it."""
     try:
         return str(path.relative_to(Path.cwd()))
     except ValueError:
@@ -143,10 +143,10 @@ def shown_path(path: Path) -> str:
 
 
 def source_line(mark: Mark) -> tuple[str, int]:
-    """The line, or a part of it around the mark, and how many characters stand before the mark."""
+    """The line, or a part of it around the mark, and the number of characters before the mark."""
     try:
         state = mark.file.stat()
-        if state.st_size > MOST_BYTES:
+        if state.st_size > MAX_BYTES:
             return "", 0
         lines = _lines(mark.file, state.st_mtime_ns, state.st_size)
     except (OSError, ValueError):
@@ -154,13 +154,13 @@ def source_line(mark: Mark) -> tuple[str, int]:
     if mark.line > len(lines):
         return "", 0
     text, before = lines[mark.line - 1], mark.column - 1
-    start = max(0, before - MOST_COLUMNS // 2) if len(text) > MOST_COLUMNS else 0
-    part = text[start : start + MOST_COLUMNS]
+    start = max(0, before - MAX_COLUMNS // 2) if len(text) > MAX_COLUMNS else 0
+    part = text[start : start + MAX_COLUMNS]
     return "".join(c if c.isprintable() else " " for c in part), before - start
 
 
 @lru_cache(maxsize=4)
-def _lines(file: Path, mtime_ns: int, size: int) -> list[str]:  # they change with it
+def _lines(file: Path, mtime_ns: int, size: int) -> list[str]:  # time and size: a key of the cache
     if not Path(file).is_file():
         return []
     text = Path(file).read_bytes().decode("utf-8-sig", errors="replace")

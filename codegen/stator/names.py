@@ -1,6 +1,6 @@
-"""Names that a graph cannot use, because C++, the C library or the runtime has taken them."""
+"""Names that a graph cannot use: C++, the C library or the runtime uses them already."""
 
-# ruff: noqa: SIM905 - words read best as words
+# ruff: noqa: SIM905 - a list of words reads best as text
 from __future__ import annotations
 
 _CPP_KEYWORDS = frozenset(
@@ -23,9 +23,9 @@ _GENERATED = frozenset(
     nominal_time_us set_pending clear_pending has_unread count_activation lost_samples preempt
     take_latest release""".split()
 )
-_SEEN_BY_DRIVERS = frozenset("math dronecan world".split())  # namespaces that its own would hide
+_SEEN_BY_DRIVERS = frozenset("math dronecan world".split())  # its own namespace would hide them
 _BESIDE_DEVICES = frozenset("world samples sensors give hand_over".split())  # in namespace board
-_CLASSES = ("a node", "an app", "a device class")  # a node's name is its app's, as a rule
+_CLASSES = ("a node", "an app", "a device class")  # most nodes have the name of their app
 _IN_GENERATED = ("a node", "an app", "a topic", "a device", "a device class")
 
 # Types in namespace stator, which messages and app classes cannot be called.
@@ -41,30 +41,30 @@ _TYPES = frozenset(
 
 
 def reserved_reason(name: str, what: str = "") -> str:
-    """Why the name is taken; empty if it is free."""
+    """Why the name is reserved; empty if it is free."""
     if what == "a board":
         return ""  # never a name in C++
     if name in _CPP_KEYWORDS:
-        return "it is a word of C++"
+        return "it is a C++ keyword"
     if name in _MACROS:
-        return "the C library has taken it"
+        return "the C library uses this name"
     if name.endswith("_t"):
-        return "names that end in _t are types of the C library"
+        return "names that end in _t are reserved for the C library"
     if (what in _IN_GENERATED and name in _GENERATED) or _is_variable(name, what):
-        return "generated code has taken it"
+        return "generated code uses this name"
     if what == "a device" and name in _BESIDE_DEVICES:
-        return "generated code has taken it"
+        return "generated code uses this name"
     if what in ("a driver", "a device class") and name in _SEEN_BY_DRIVERS:
-        return "the runtime has taken it"
+        return "the runtime uses this name"
     if name in _RUNTIME or (what in _CLASSES and upper_camel(name) in _TYPES):
-        return "the runtime has taken it"
+        return "the runtime uses this name"
     if "__" in name or name.endswith("_"):
-        return "underscores stand singly and between other characters"
+        return "it must not contain __ or end in _"
     return ""
 
 
 def _is_variable(name: str, what: str) -> bool:
-    """Whether a task or its ports have a variable of this name already."""
+    """Whether a task or its ports have a variable of this name."""
     if what == "a line":
         return name == "timers"
     return what == "an input" and name.startswith("every_") and name[6:].isdigit()

@@ -16,12 +16,12 @@ def make_plan(graph: str, board: str | None) -> Plan:
 
 
 def make_buildable_plan(graph: str, board: str | None) -> Plan:
-    """The plan for a board whose executor there is. Raises `Failed` or `UserError`."""
+    """The plan, for a board whose executor exists. Raises `Failed` or `UserError`."""
     made = make_plan(graph, board)
     if made.board.executor not in EXECUTORS:
         raise UserError(
-            f"error: board '{made.board.name}' runs on the executor {made.board.executor}, which "
-            "this version cannot build\nhint: add --board sitl"
+            f"error: cannot build for board '{made.board.name}': its executor "
+            f"{made.board.executor} is not implemented\nhint: add --board sitl"
         )
     return made
 

@@ -1,4 +1,4 @@
-"""Numbers with units, exactly: `1 kHz`, `250 us`, `45 deg`. No binary fractions on the way."""
+"""Numbers with units, as exact fractions: `1 kHz`, `250 us`, `45 deg`."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ UNITS: dict[str, tuple[str, Fraction]] = {
     "MHz": ("frequency", Fraction(1_000_000)),
 }
 
-# How a parameter's value may be written, and what it is in the parameter's own unit. The factor for
-# degrees is pi / 180 to 40 digits: the nearest float comes out whatever it is multiplied by.
+# The parameter's unit -> other units that a value may have, and the factor from each to the
+# parameter's unit. The factor for degrees is pi / 180 to 40 digits, so that rounding the product
+# gives the nearest float.
 _DEGREE = Fraction("0.01745329251994329576923690768488612713442871888541725456")
 CONVERSIONS: dict[str, dict[str, Fraction]] = {
     "rad": {"deg": _DEGREE},
@@ -38,13 +39,13 @@ CONVERSIONS: dict[str, dict[str, Fraction]] = {
 }
 
 _NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]{1,3})?")
-_MOST_LENGTH = 64
+_MAX_LENGTH = 64
 
 
 def split(text: str) -> tuple[Fraction, str] | None:
-    """`1.5 ms` -> (3/2, 'ms'); a bare number has the unit ''. None if it is no number."""
+    """`1.5 ms` -> (3/2, 'ms'); a bare number has the unit ''. None: not a number."""
     match = _NUMBER.match(text)
-    if match is None or len(text) > _MOST_LENGTH:
+    if match is None or len(text) > _MAX_LENGTH:
         return None
     return Fraction(match.group(0)), text[match.end() :].strip()
 

@@ -199,7 +199,8 @@ const sockaddr* plain_address() {
 }
 
 bool refuse(const char* path, const char* why) {
-    std::fprintf(stderr, "error: no link at '%s': %s\nhint: name another place: --link PATH\n",
+    std::fprintf(stderr,
+                 "error: cannot make a link at '%s': %s\nhint: use another path: --link PATH\n",
                  path, why);
     return false;
 }

@@ -1,6 +1,5 @@
-// Threads, and what real time needs of the machine for them: a real-time priority, memory that
-// stays, chosen processors. What it does not grant is noted, with what that costs; the graph runs
-// all the same.
+// Threads, and what they need from the machine for real time: a real-time priority, locked memory,
+// chosen processors. A refused permission is noted with its cost; the graph runs without it.
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -33,7 +32,7 @@ sched_param parameter_of(unsigned priority) {
     return {.sched_priority = kPriorityOfLevel1 - 1 + static_cast<int>(priority)};
 }
 
-// Tries it on this thread, and puts it back.
+// Tries the priority on this thread, and restores the old one.
 void ask_for_fifo() {
     sched_param before{};
     const int policy = sched_getscheduler(0);
@@ -45,19 +44,19 @@ void ask_for_fifo() {
         return;
     }
     refused.push_back({"SCHED_FIFO", std::strerror(errno),
-                       "other programs and less urgent levels may hold up an urgent one, by "
+                       "other programs and less urgent levels can delay an urgent one by "
                        "milliseconds under load",
-                       "ulimit -r 40, or run with CAP_SYS_NICE"});
+                       "set ulimit -r 40, or run with CAP_SYS_NICE"});
 }
 
-// What there is: a graph that runs takes no new memory, and where only little may be locked, a lock
-// of all that comes later would leave no thread to be made.
+// Locks the existing memory only. A running graph allocates no new memory; and if only little may
+// be locked, a lock of future memory would prevent new threads.
 void lock_memory() {
     if (mlockall(MCL_CURRENT) == 0) return;
     refused.push_back({"locked memory", std::strerror(errno),
-                       "the first touch of a page, or one that was swapped out, holds up an "
+                       "the first access to a page, or to one that was swapped out, delays an "
                        "activation",
-                       "ulimit -l unlimited, or run with CAP_IPC_LOCK"});
+                       "set ulimit -l unlimited, or run with CAP_IPC_LOCK"});
 }
 
 void ask_for_cpus(uint64_t wanted) {
@@ -72,9 +71,9 @@ void ask_for_cpus(uint64_t wanted) {
         sched_setaffinity(0, sizeof before, &before);
         return;
     }
-    refused.push_back({"the wanted processors", std::strerror(errno),
-                       "levels run on any, and move between them",
-                       "name processors that this machine has and lets you use"});
+    refused.push_back({"the chosen processors", std::strerror(errno),
+                       "levels run on any processor, and move between them",
+                       "choose processors that this machine has and that you may use"});
 }
 
 // Touches the stack below this frame, page by page.

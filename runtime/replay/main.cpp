@@ -32,7 +32,8 @@ void print(const Recording& recording, const Difference& difference) {
 
 int main(int count, char** arguments) {
     if (count != 3) {
-        std::fputs("error: wanted are a log, and how many of its bytes count\n", stderr);
+        std::fputs("error: expected two arguments: a log, and the number of its bytes to use\n",
+                   stderr);
         return 2;
     }
     const auto recording = read_recording(arguments[1], std::strtoull(arguments[2], nullptr, 10));
@@ -42,7 +43,7 @@ int main(int count, char** arguments) {
     }
     Replay replay(*recording);
     if (!replay.scan()) {
-        std::fprintf(stderr, "error: the recording in '%s' makes no sense\n", arguments[1]);
+        std::fprintf(stderr, "error: the recording in '%s' is inconsistent\n", arguments[1]);
         return 2;
     }
     replay.run();

@@ -19,7 +19,7 @@ GRAPH = HOME / "tests" / "conformance" / "graphs" / "conformance.yaml"
 BOARDS = ("virtual", "threads", "qemu")
 LIMIT_S = 15  # of a program that takes half a second; on a hang
 LATE = 3  # status of boards/threads: the machine held up a level, and the trace says nothing
-MOST_RUNS = 40
+MAX_RUNS = 40
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
@@ -44,7 +44,7 @@ def _trace(board: str) -> list[str]:
     text = finished.stdout + finished.stderr  # the emulator's console
     if finished.returncode == LATE:
         pytest.fail(
-            f"in each of {MOST_RUNS} runs a level was late, or still busy when the next step "
+            f"in each of {MAX_RUNS} runs a level was late, or still busy when the next step "
             "began: the machine is overloaded, or a wake-up got lost"
         )
     assert finished.returncode == 0, text
@@ -59,7 +59,7 @@ def _run(board: str) -> subprocess.CompletedProcess[str]:
     emulator = needs_emulator() if board == "qemu" else None
     program = build(GRAPH, board)
     command = qemu_command(emulator, program) if emulator else [str(program)]
-    for _ in range(MOST_RUNS):
+    for _ in range(MAX_RUNS):
         finished = subprocess.run(
             command, capture_output=True, text=True, timeout=LIMIT_S, check=False
         )

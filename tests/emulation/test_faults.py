@@ -33,7 +33,7 @@ def plan() -> Plan:
 def run(image: Path, folder: Path, told: str) -> list[FaultRecord]:
     """What each start of the firmware told of the run before."""
     plant = [str(build_plant()), "--duration", "2"]
-    finished = fly(needs_emulator(), image, plant, folder / "flight.ulg", told=told)
+    finished = fly(needs_emulator(), image, plant, folder / "flight.ulg", argument=told)
     return records_in(finished.stderr)
 
 
@@ -41,9 +41,9 @@ def run(image: Path, folder: Path, told: str) -> list[FaultRecord]:
 @pytest.mark.parametrize(
     ("told", "exception", "status", "words"),
     [
-        ("null", MEM_MANAGE, 0x82, "accessed 0x00000004, behind a null pointer"),
+        ("null", MEM_MANAGE, 0x82, "accessed 0x00000004 through a null pointer"),
         ("code", MEM_MANAGE, 0x82, "wrote to 0x08001000, which is code"),
-        ("data", MEM_MANAGE, 0x01, "ran what is no code"),
+        ("data", MEM_MANAGE, 0x01, "executed data that is not code"),
         ("divide", USAGE_FAULT, 0x02000000, "divided by zero"),
     ],
 )
@@ -70,7 +70,7 @@ def test_the_last_activations_are_told(image: Path, plan: Plan, tmp_path: Path) 
 def test_a_full_stack_is_told(image: Path, plan: Plan, tmp_path: Path) -> None:
     (record,) = run(image, tmp_path, "stack")
     assert record.exception == MEM_MANAGE
-    assert "the stack was full" in explain(record, plan, image)[0]
+    assert "stack overflow" in explain(record, plan, image)[0]
     assert [task.node.name for task in active_tasks(record, plan)] == ["wrecker"]
 
 
@@ -83,7 +83,9 @@ def test_a_failed_assertion_is_told(image: Path, plan: Plan, tmp_path: Path) -> 
 def test_a_task_that_never_ends_is_reset_and_told(image: Path, plan: Plan, tmp_path: Path) -> None:
     (record,) = run(image, tmp_path, "endless")
     lines = explain(record, plan, image)
-    assert lines[0] == "error: the firmware ended in task wrecker: the watchdog was not kicked"
+    assert (
+        lines[0] == "error: the firmware ended in task wrecker: the watchdog was not reset in time"
+    )
     assert any("never_end" in line for line in lines)
     assert record.silent_task is None  # the monitor had no more turn
     assert record.uptime_us < 201_000  # two periods of the watchdog
@@ -92,8 +94,8 @@ def test_a_task_that_never_ends_is_reset_and_told(image: Path, plan: Plan, tmp_p
 def test_a_task_that_is_no_longer_released_is_told(image: Path, plan: Plan, tmp_path: Path) -> None:
     (record,) = run(image, tmp_path, "silence")
     lines = explain(record, plan, image)
-    assert lines[0] == "error: the firmware ended in no task: the watchdog was not kicked"
-    assert lines[1] == "  no life sign of task heart"
+    assert lines[0] == "error: the firmware ended outside tasks: the watchdog was not reset in time"
+    assert lines[1] == "  missing life sign of task heart"
     assert 70_000 < record.uptime_us <= 300_000  # silent from 50 ms on, noticed 20 ms later
 
 

@@ -115,5 +115,5 @@ def test_another_graph_is_refused(
 def test_nobody_there(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert cli.main(["top", "--link", str(tmp_path / "none")]) == 2
     error = capsys.readouterr().err
-    assert "error: nothing runs at" in error
+    assert "error: cannot connect to" in error
     assert "./stator emulate --link" in error

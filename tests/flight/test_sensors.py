@@ -104,7 +104,7 @@ def test_a_script_moves_the_sticks(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "wrong"),
     [
-        ("1 2 0 0 0 1 0 0 0", "line 1: wanted are"),
+        ("1 2 0 0 0 1 0 0 0", "line 1: expected: seconds"),
         ("2 0 0 0 0 1 0 0 0\n1 0 0 0 0 1 0 0 0", "line 2"),
     ],
 )

@@ -1,4 +1,4 @@
-"""What `./stator bench` measures: figures beside their peers, each pair in one run."""
+"""The benchmarks of `./stator bench`: figures beside those of other software, in the same run."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ def _one_core() -> list[str]:
 
 
 def _topics() -> list[Figure]:
-    """Publishing 64 bytes and reading the newest sample, beside plain stores and a plain load."""
+    """Publishing 64 bytes and reading the newest sample, compared with plain stores and a load."""
     times = google_benchmark("bench_topic")
     publish = times["publish"] - times["plain_stores"]
     read = times["read_latest"] - times["plain_load"]
     return [
         Figure(
-            "publish 64 bytes, nobody woken: over plain stores",
+            "publish 64 bytes without subscriber: over plain stores",
             publish,
             "ns",
             "at most 3",
@@ -59,7 +59,7 @@ def _topics() -> list[Figure]:
 
 
 def _activations() -> list[Figure]:
-    """Timing an activation on threads: two reads of the thread's CPU time, and what it adds."""
+    """The cost of timing an activation on threads: two reads of CPU time, and the rest."""
     times = google_benchmark("bench_activation")
     cpu, clock, own = times["cpu_clock"], times["monotonic_clock"], times["activation"]
     response = times["activation_with_response"] - own
@@ -71,7 +71,7 @@ def _activations() -> list[Figure]:
             f"at most {2 * cpu + 50:.0f}",
             own <= 2 * cpu + 50,
         ),
-        Figure("its response besides", response, "ns", "for comparison", True),
+        Figure("timing its response as well", response, "ns", "for comparison", True),
         Figure("one read of CPU time", cpu, "ns", "for comparison", True),
         Figure("one read of the clock", clock, "ns", "for comparison", True),
     ]
@@ -96,7 +96,7 @@ def _check() -> list[Figure]:
 
 
 def _edit() -> list[Figure]:
-    """One number edited in the graph, until it has flown again."""
+    """The time from editing one number of the graph to the end of the next flight."""
     folder = HOME / "build" / "bench-edit"
     folder.mkdir(parents=True, exist_ok=True)
     graph = folder / "edited.yaml"
@@ -117,11 +117,11 @@ def _edit() -> list[Figure]:
 
     fly("2 m")
     seconds = fly("2.1 m")
-    return [Figure("one number edited, until it has flown", seconds, "s", "under 10", seconds < 10)]
+    return [Figure("edit one number, build, fly", seconds, "s", "under 10", seconds < 10)]
 
 
 def _counts() -> list[Figure]:
-    """Instructions in QEMU: no times (docs/emulation.md)."""
+    """Instructions in QEMU, not times (docs/emulation.md)."""
     from stator.bench.counts import counts
 
     return [
@@ -129,7 +129,7 @@ def _counts() -> list[Figure]:
             what,
             most,
             "instr." if least == most else f"instr., at least {least}",
-            "to compare" if bound is None else f"at most {bound}",
+            "for comparison" if bound is None else f"at most {bound}",
             least == most and (bound is None or most <= bound),
         )
         for what, least, most, bound in counts()
@@ -137,7 +137,7 @@ def _counts() -> list[Figure]:
 
 
 def _latency() -> list[Figure]:
-    """From publication to reception, beside bare threads, LCM and ROS."""
+    """The time from publication to reception, beside bare threads, LCM and ROS."""
     from stator.bench.latency import measure
 
     return measure()

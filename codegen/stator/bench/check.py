@@ -1,4 +1,4 @@
-"""How long `check` takes on large generated graphs, for `./stator bench`; tests count its work."""
+"""The time of `check` on large generated graphs, for `./stator bench`; tests count its work."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 SIZES = (1_000, 10_000)
 REPEATS = 3
-_MOST_PRIORITY = 15
+_MAX_PRIORITY = 15
 
 _APPS = {
     "bench_source": """doc: Makes samples.
@@ -24,7 +24,7 @@ inputs:
 outputs: {smooth: {message: BenchSample, doc: The result.}}
 params:
   gain: {type: float, unit: "1", range: [0, 10], default: 1, doc: Factor.}
-  limit: {type: float, unit: rad/s, range: [0, 10], default: 1, doc: Most change.}
+  limit: {type: float, unit: rad/s, range: [0, 10], default: 1, doc: Greatest change.}
 """,
 }
 _MESSAGE = """doc: One sample.
@@ -35,8 +35,8 @@ fields:
 
 
 def write_big_graph(folder: Path, count: int) -> Path:
-    """A graph of `count` nodes on board sitl, as people write them: chains of four nodes, of which
-    each reads what the one before publishes, and the newest of another chain. Returns its path."""
+    """A graph of `count` nodes on board sitl, as people write them: chains of four nodes. Each node
+    reads the topic of the node before it, and the newest sample of another chain."""
     for name, text in _APPS.items():
         (folder / "apps" / name).mkdir(parents=True, exist_ok=True)
         (folder / "apps" / name / f"{name}.yaml").write_text(text, encoding="utf-8")
@@ -50,7 +50,7 @@ def write_big_graph(folder: Path, count: int) -> Path:
 
 def _node(index: int, count: int) -> str:
     chain, place = divmod(index, 4)
-    priority = index % _MOST_PRIORITY + 1
+    priority = index % _MAX_PRIORITY + 1
     other = (chain + 1) % (count // 4) * 4
     if place == 0:
         return f"""  node{index}:
@@ -72,7 +72,7 @@ def _node(index: int, count: int) -> str:
 
 
 def measure() -> dict[str, float]:
-    """Seconds of `stator check`, the whole program, for each size: the least of some runs."""
+    """Seconds of the whole program `stator check` for each size: the minimum of some runs."""
     result = {}
     with tempfile.TemporaryDirectory() as folder:
         for count in SIZES:

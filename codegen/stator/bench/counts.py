@@ -1,4 +1,4 @@
-"""`./stator bench counts`: instructions of each way through the runtime, counted in QEMU."""
+"""`./stator bench counts`: instructions of each path through the runtime, counted in QEMU."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 GRAPHS = HOME / "tests" / "emulation" / "graphs"
-LIMIT_S = 60  # of a program that takes half a second
-# In the order in which the program prints them (tests/emulation/graphs/apps/meter); the bound that
-# a count is held to, if any.
+LIMIT_S = 60  # the program needs half a second
+# In the order in which the program prints them (tests/emulation/graphs/apps/meter), each with its
+# bound, if it has one.
 WAYS: tuple[tuple[str, int | None], ...] = (
-    ("publish 32 bytes, until the step of the more urgent task that it wakes", 40),
-    ("publish 32 bytes, nobody woken, with 5 stores of the fields", 14 + 5),
-    ("the first by hand, until the handler that it wakes", None),
-    ("the second by hand", None),
+    ("publish 32 bytes, until the step of the more urgent task that it activates", 40),
+    ("publish 32 bytes without subscriber, with 5 stores of the fields", 14 + 5),
+    ("the first, written by hand, until the handler that it activates", None),
+    ("the second, written by hand", None),
     ("entry of a line's interrupt, until the step of its driver", 15),
-    ("publish, and the whole activation of the reader that it wakes", None),
-    ("the same, and the reader reads the newest of another topic", None),
+    ("publish, and the whole activation of the reader that it activates", None),
+    ("the same, and the reader reads the newest sample of another topic", None),
 )
-# The same ways in an image that counts and records each activation, by their places above.
+# The same paths in an image that counts and records each activation; keys: indexes of WAYS.
 RECORDED_WAYS = {0: 90, 4: 60}
-READERS_OWN = 2  # of those: the load of a field and a sum
-MOST_MASKED = 30
+READERS_OWN = 2  # instructions of the reader itself: a load of a field, and a sum
+MAX_MASKED = 30
 
 
 def counts(variant: Mapping[str, str] = PLAIN) -> list[tuple[str, int, int, int | None]]:
-    """What, least, most, bound. Raises `NoEmulator` where there is none."""
+    """Text, minimum, maximum, bound. Raises `NoEmulator` if there is no emulator."""
     image = build(GRAPHS / "counts.yaml", None, variant, executor="cortex_m")
     rows = _run(image)
     found = [
@@ -42,7 +42,7 @@ def counts(variant: Mapping[str, str] = PLAIN) -> list[tuple[str, int, int, int 
     ]
     (_, *plain, _), (_, *reading, _) = found[-2:]
     least, most = (b - a - READERS_OWN for a, b in zip(plain, reading, strict=True))
-    found.append(("of this, taking and letting go of the newest", least, most, 10))
+    found.append(("of this, taking and releasing the newest sample", least, most, 10))
     recorded = _run(build(GRAPHS / "counts_recorded.yaml", None, RECORDING, executor="cortex_m"))
     for way, bound in RECORDED_WAYS.items():
         found.append((f"{WAYS[way][0]}; counted and recorded", *recorded[way], bound))
@@ -62,7 +62,7 @@ def _lines(finished: subprocess.CompletedProcess[str]) -> list[str]:
 
 def _sections(image: Path) -> list[tuple[str, int, int, int | None]]:
     return [
-        (f"BASEPRI raised in {operation} of {topic}", count, count, MOST_MASKED)
+        (f"BASEPRI raised in {operation} of {topic}", count, count, MAX_MASKED)
         for topic, operations in sections_of(image).items()
         for operation, count in operations.items()
     ]

@@ -1,4 +1,4 @@
-"""A figure of `./stator bench`, beside the bound that it is held to; and programs that measure."""
+"""A figure of `./stator bench` with its bound, and programs that measure."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Figure:
 
 
 def google_benchmark(target: str) -> dict[str, float]:
-    """Name -> CPU time of one iteration in ns: the least of several runs, as noise only adds."""
+    """Name -> CPU time of one iteration in ns: the minimum of several runs, as noise only adds."""
     folder = HOME / "build" / "bench"
     configure(folder, ["-DSTATOR_TESTS=ON"], [target])
     found = next(path for path in sorted(folder.rglob(target)) if path.is_file())

@@ -1,7 +1,7 @@
-"""`./stator bench latency`: from publication to reception between two threads, beside two bare
-threads that hand over by a futex, and beside LCM, iceoryx and ROS 1 where they are installed.
+"""`./stator bench latency`: the time from publication to reception between two threads, beside two
+bare threads with a futex, and beside LCM, iceoryx and ROS 1 if they are installed.
 
-All are measured in turns, round by round, at 1 kHz with 64 bytes; figures are medians of rounds.
+The programs run in turns, round by round, at 1 kHz with 64 bytes. Figures are medians of rounds.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from stator.build.cmake import configure
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-Rows: TypeAlias = NDArray[np.int64]  # call_ns and latency_ns of each sample; 0: never came
+Rows: TypeAlias = NDArray[np.int64]  # call_ns and latency_ns of each sample; 0: lost
 
 ROUNDS = 20
-OTHER_ROUNDS = 5  # of what is only drawn
+OTHER_ROUNDS = 5  # of programs that appear in the picture only
 SAMPLES = 1000  # of a round
 TASKS_S = 60.0
 FOLDER = HOME / "build" / "bench"
@@ -80,12 +80,12 @@ def measure() -> list[Figure]:
     with _daemons(programs):
         rounds = _in_turns(programs)
     picture = _draw(programs, rounds)
-    print(f"latency: histograms are in {picture}", file=sys.stderr)
+    print(f"latency: histograms: {picture}", file=sys.stderr)
     return [*_handover(rounds), *_calls(), *_tasks(programs["tasks"])]
 
 
 def _programs() -> dict[str, Path]:
-    """What can be measured here; says what cannot, and what would install it."""
+    """The programs that can run here. Prints which cannot, and what to install."""
     targets = ["stator_handover", "futex_handover", "many_tasks", "calls"]
     configure(FOLDER, ["-DSTATOR_TESTS=ON"], targets)
     built = FOLDER / "tests" / "bench" / "latency"
@@ -98,7 +98,9 @@ def _programs() -> dict[str, Path]:
         if not Path(peer.header).is_file() or any(
             shutil.which(name) is None for name in peer.daemon[:1]
         ):
-            print(f"{peer.name}: skipped; apt-get install {peer.package}", file=sys.stderr)
+            print(
+                f"{peer.name}: not installed; hint: apt-get install {peer.package}", file=sys.stderr
+            )
             continue
         program = FOLDER / f"{peer.source}_handover"
         source = SOURCES / "peers" / f"{peer.source}_handover.cpp"
@@ -109,7 +111,7 @@ def _programs() -> dict[str, Path]:
 
 @contextlib.contextmanager
 def _daemons(programs: dict[str, Path]) -> Iterator[None]:
-    """Those that the peers cannot do without."""
+    """The background programs that the other software needs."""
     os.environ.update(
         ROS_IP="127.0.0.1",
         ROS_HOME=str(FOLDER / "ros"),
@@ -128,7 +130,7 @@ def _daemons(programs: dict[str, Path]) -> Iterator[None]:
 
 
 def _run(program: Path, *options: str) -> Rows:
-    """Processes of peers get the same real-time priority, where it is allowed."""
+    """Other software gets the same real-time priority, if that is allowed."""
     fifo = ["chrt", "-f", "15"] if program.parent == FOLDER and _may_have_fifo() else []
     command = [*fifo, str(program), str(SAMPLES), *options]
     finished = subprocess.run(command, check=True, capture_output=True, text=True, timeout=120)
@@ -160,7 +162,7 @@ def _in_turns(programs: dict[str, Path]) -> dict[str, list[Rows]]:
 
 
 def _quantiles(rounds: list[Rows], column: int, percent: float) -> NDArray[np.float64]:
-    """Of each round, in us; samples that never came do not count here."""
+    """The quantile of each round, in us; lost samples do not count here."""
     taken = [rows[:, column][rows[:, column] > 0] for rows in rounds]
     return np.array([np.percentile(values, percent) for values in taken if values.size]) * 1e-3
 
@@ -183,7 +185,9 @@ def _handover(rounds: dict[str, list[Rows]]) -> list[Figure]:
             figures.append(Figure(ahead, other, "us", f"more than {own:.3g}", own < other))
         one_cpu = float(np.median(_quantiles(rounds[ONE_CPU], 1, percent)))
         figures.append(Figure(f"{ONE_CPU}, p{percent}", one_cpu, "us", "for comparison", True))
-    figures.append(_woken("one publish, subscriber woken", rounds, "Stator", "bare threads"))
+    figures.append(
+        _woken("one publish with wake-up of the subscriber", rounds, "Stator", "bare threads")
+    )
     figures.append(_woken("  the same on one processor", rounds, ONE_CPU, BARE_ONE_CPU))
     for name in _peers_of(rounds):
         other = float(np.median(_quantiles(rounds[name], 0, 50))) * 1e3
@@ -195,8 +199,8 @@ def _handover(rounds: dict[str, list[Rows]]) -> list[Figure]:
 
 
 def _woken(what: str, rounds: dict[str, list[Rows]], own: str, bare: str) -> Figure:
-    """What one call takes more than that of bare threads in the round beside it: between two
-    processors a call varies by microseconds from round to round."""
+    """The time of one call beyond a call of bare threads in the same round: between two processors,
+    a call varies by microseconds from round to round."""
     own_calls = _quantiles(rounds[own], 0, 50) * 1e3
     bare_calls = _quantiles(rounds[bare], 0, 50) * 1e3
     more = float(np.median(own_calls - bare_calls))
@@ -211,15 +215,15 @@ def _calls() -> list[Figure]:
     latest, poll = times["read_latest"], times["poll_nothing_new"]
     return [
         Figure("publish, subscriber awake: over plain stores", over, "ns", "under 50", over < 50),
-        Figure("read the newest, seen before", latest, "ns", "under 4", latest < 4),
-        Figure("read the newest, a new one", new, "ns", "for comparison", True),
-        Figure("poll with nothing new", poll, "ns", "under 2", poll < 2),
+        Figure("read the newest sample, already read", latest, "ns", "under 4", latest < 4),
+        Figure("read the newest sample, not yet read", new, "ns", "for comparison", True),
+        Figure("poll without a new sample", poll, "ns", "under 2", poll < 2),
     ]
 
 
 def _tasks(program: Path) -> list[Figure]:
-    """8 levels, 200 tasks, 1 kHz: all due at once, as graphs have it unless they say otherwise, and
-    each at a time of its own, which is a wake-up each."""
+    """8 levels, 200 tasks, 1 kHz: all due at once, which is the default of graphs, and each at its
+    own time, with a wake-up each."""
     return [
         *_tasks_at(program, "all due at once"),
         *_tasks_at(program, "each at its own time", "--spread"),
@@ -236,7 +240,7 @@ def _tasks_at(program: Path, due: str, *options: str) -> list[Figure]:
     other = threads["cpu_s"] / threads["activations"] * 1e6
     return [
         Figure(
-            f"200 tasks on 8 levels, {due}: activations lost, not counted",
+            f"200 tasks on 8 levels, {due}: activations lost and not counted",
             uncounted,
             "",
             "0",
@@ -299,14 +303,14 @@ def _draw(programs: dict[str, Path], rounds: dict[str, list[Rows]]) -> Path:
 
 
 def _firmware() -> str:
-    """Emulated figures are counts, no times."""
+    """Emulated figures are counts, not times."""
     from stator.bench.counts import counts
     from stator.emulator.qemu import NoEmulator
 
     try:
         _, least, most, _ = counts()[0]
     except (NoEmulator, OSError):
-        return "firmware: not counted, as there is no emulator"
+        return "firmware: not counted, because there is no emulator"
     count = f"{least}" if least == most else f"{least} to {most}"
     return f"firmware in QEMU: {count} instructions"
 

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
     from stator.plan.plan import Plan
 
-PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # for runs in which activations take time
-RECORDING = {"STATOR_RECORDING": "ON"}  # each flight is recorded in its log, for replay
-PLAIN = {"STATOR_COUNTERS": "OFF"}  # nothing is timed of an activation
-SLEEP = {"STATOR_SLEEP": "ON"}  # on bare metal: sleeps when idle, instead of spinning
+PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # activations take time, so others can preempt
+RECORDING = {"STATOR_RECORDING": "ON"}  # the log of each flight contains a recording
+PLAIN = {"STATOR_COUNTERS": "OFF"}  # activations are not timed
+SLEEP = {"STATOR_SLEEP": "ON"}  # bare metal sleeps when idle (default: busy loop)
 TOOLCHAIN = HOME / "codegen" / "cmake" / "cortex_m4f.cmake"
 INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate", "pthread": "./stator run"}
 
@@ -34,9 +34,9 @@ def build(
     *,
     executor: str = "",
 ) -> Path:
-    """The executable of the graph on this board (its own if None), built anew where needed.
+    """Builds the executable of the graph for this board (None: the graph's own).
     `variant`: CMake variables that differ from the defaults, such as another compiler. `executor`:
-    the only one that will do.
+    the required one; empty: any.
 
     Raises `Failed` for an error in the graph, `BuildFailed` for one in the code.
     """
@@ -46,14 +46,14 @@ def build(
     if executor and plan.board.executor != executor:
         instead = INSTEAD.get(plan.board.executor)
         raise BuildFailed(
-            f"error: board '{plan.board.name}' runs on the executor {plan.board.executor}, "
-            f"not {executor}" + (f"\nhint: {instead} flies it" if instead else "")
+            f"error: expected a board with executor {executor}, found '{plan.board.name}' with "
+            f"{plan.board.executor}" + (f"\nhint: use {instead}" if instead else "")
         )
     if not any(plan.board.file.parent.glob("*.cpp")):
         raise BuildFailed(
-            f"error: board '{plan.board.name}' has no code yet, only its description\n"
-            f"hint: build for another one, such as qemu_f405, or write its board.cpp in "
-            f"{shown_path(plan.board.file.parent)}"
+            f"error: missing file 'board.cpp' of board '{plan.board.name}'\n"
+            f"hint: write it in {shown_path(plan.board.file.parent)}, or build for another board, "
+            "for example --board qemu_f405"
         )
     names = [key if value == "ON" else f"{key}_{value}" for key, value in variant.items()]
     words = [plan.graph.name, plan.board.name, *(re.sub(r"\W+", "_", name) for name in names)]
@@ -72,7 +72,7 @@ def build(
 
 
 def build_replay(plan: Plan) -> Path:
-    """The program that replays recordings of the graph on this machine. Raises `BuildFailed`."""
+    """Builds the program that replays recordings of the graph. Raises `BuildFailed`."""
     name = f"{plan.graph.name}-{plan.board.name}-replay"
     options = [
         f"-DSTATOR_GRAPH={plan.graph.file}",
@@ -87,25 +87,25 @@ def build_replay(plan: Plan) -> Path:
 
 
 def build_plant() -> Path:
-    """The simulated world that emulated firmware flies in, as a program of this machine."""
+    """Builds the simulated world of emulated firmware, as a program of this machine."""
     folder = HOME / "build" / "plant"
     configure(folder, ["-DSTATOR_TESTS=OFF"], ["plant_server"])
     return folder / "boards" / "qemu_f405" / "plant" / "plant_server"
 
 
 def configure(folder: Path, options: list[str], targets: list[str]) -> None:
-    """Configures a build folder where needed, and builds the targets. Raises `BuildFailed`."""
+    """Configures the build folder if needed, and builds the targets. Raises `BuildFailed`."""
     existing = next(path for path in (folder, *folder.parents) if path.exists())
     if not os.access(existing, os.W_OK):
         raise BuildFailed(
-            f"error: cannot write in '{shown_path(existing)}', where the build goes\n"
-            "hint: it belongs to somebody else; make a clone of your own"
+            f"error: cannot write to the build folder '{shown_path(existing)}'\n"
+            "hint: the folder belongs to another user; work in your own clone"
         )
-    # Written last: another graph of the same name, or an interrupted first configuration, which
-    # leaves a folder that CMake would not try again, begins anew.
+    # Written last. CMake does not repeat an interrupted first configuration, so the folder is
+    # removed if the stamp is missing, or is that of another graph of the same name.
     stamp = folder / "options.txt"
     arguments = [*options, f"-DSTATOR_PYTHON={sys.executable}"]
-    # CMake remembers what an earlier toolchain file said.
+    # CMake keeps the settings of an earlier toolchain file, so its text is part of the stamp.
     text = "\n".join([*arguments, TOOLCHAIN.read_text(encoding="utf-8")])
     if not stamp.is_file() or stamp.read_text(encoding="utf-8") != text:
         shutil.rmtree(folder, ignore_errors=True)
@@ -126,6 +126,6 @@ def _run(command: list[str]) -> None:
         first = next((i for i, line in enumerate(lines) if "error" in line.lower()), 0)
         shown = "\n".join(lines[max(0, first - 2) : first + 40])
         raise BuildFailed(
-            f"{shown}\nerror: the build failed\nhint: the whole output: "
+            f"{shown}\nerror: the build failed\nhint: to see the whole output, run: "
             + " ".join(f"'{part}'" if " " in part else part for part in command)
         )

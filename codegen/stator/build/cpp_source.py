@@ -1,5 +1,5 @@
-"""Reads what Python and C++ must agree on from the C++ that says it: constants, and the layout of
-structs that travel as bytes."""
+"""Reads from C++ what Python must know as well: constants, and the layout of structs that travel as
+bytes."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Writes the C++ codecs of the DroneCAN types that Stator speaks, from the DSDL that the package
-`dronecan` ships. Run by the build: python -m stator.build.dronecan_codecs FOLDER"""
+"""Writes C++ codecs of the DroneCAN types that Stator uses, from the DSDL in the package
+`dronecan`. The build runs it: python -m stator.build.dronecan_codecs FOLDER"""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ Row = dict[str, Any]
 
 
 def with_nested(names: tuple[str, ...]) -> list[Any]:
-    """The types of these names and all that they contain, the innermost first."""
+    """The types of these names and all types inside them, the innermost first."""
     found: dict[str, Any] = {}
 
     def add(kind: Any) -> None:
@@ -60,7 +60,7 @@ def _compounds(kind: Any) -> Iterator[Any]:
 
 
 def header_of(kind: Any) -> str:
-    """The generated file, as it is included."""
+    """The path of the generated file, as in an include."""
     *folders, name = kind.full_name.split(".")[1:]
     return "/".join(["dronecan", *folders, snake(name)]) + ".hpp"
 
@@ -86,7 +86,7 @@ def _cpp_type(kind: Any) -> str:
 
 
 def _visit(kind: Any, value: str, is_last: bool) -> str:
-    """The statement that moves one field between its bits and its value."""
+    """The statement that converts one field between bits and value."""
     if isinstance(kind, VoidType):
         return f"bits.skip({kind.bitlen});"
     if isinstance(kind, CompoundType):
@@ -160,7 +160,7 @@ def _travelling(struct: Row, kind: Any, way: str, most_bits: int) -> Row:
 
 
 def rows(kind: Any) -> Row:
-    """What the template needs for one type."""
+    """The fields of the template for one type."""
     *namespace, name = kind.full_name.split(".")[1:]
     service = ""
     if kind.kind == CompoundType.KIND_SERVICE:

@@ -1,4 +1,4 @@
-"""The image of a graph: built, checked, in all its file formats, and what each part takes."""
+"""The image of a graph: build, check, file formats, and the size of each part."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ TOOLS = "arm-none-eabi-"
 
 
 def build_image(graph: Path, board: str | None, variant: Mapping[str, str] | None = None) -> Path:
-    """The graph's image for bare metal. Raises `BuildFailed` if it holds what no image may."""
+    """Builds the image for bare metal. Raises `BuildFailed` if it breaks a rule of images."""
     image = build(graph, board, variant, executor="cortex_m")
     faults = faults_of(image, make_buildable_plan(str(graph), board).graph.nodes)
     if faults:
@@ -41,7 +41,7 @@ def total_of(image: Path) -> tuple[int, int]:
 
 
 def image_files(plan: Plan, image: Path) -> dict[str, Path]:
-    """The image in the forms that tools want; for a ground station, if the board has an id."""
+    """The image in all file formats; .px4, for ground stations, only if the board has an id."""
     files = {
         "elf": image,
         "bin": _convert(image, "binary", ".bin"),
@@ -59,8 +59,7 @@ def _convert(image: Path, kind: str, suffix: str) -> Path:
     return result
 
 
-# Where a symbol belongs: by its namespace, else by the file that its code comes from, else by what
-# is left.
+# The part that a symbol belongs to: by its namespace, else by its source file, else by its name.
 _NAMESPACES = (
     (r"stator::tasks::(\w+)::", r"\1"),
     (r"stator::topics::", "topics"),
@@ -84,9 +83,9 @@ _SYMBOL = re.compile(
 
 
 def sizes_of(image: Path) -> dict[str, tuple[int, int]]:
-    """Bytes of flash and RAM of each part, the largest first. Nodes are optimised into their tasks,
-    so that a task's part is its wrapper and its node. Initialised data takes both flash and RAM;
-    texts, which have no names, and gaps stand under the last part. The stack is not in it."""
+    """Bytes of flash and RAM of each part, the largest first. The compiler inlines nodes into their
+    tasks, so a task's part includes its node. Initialised data takes both flash and RAM. The last
+    part holds texts, which have no symbols, and gaps. The stack is not included."""
     found: dict[str, list[int]] = {}
     for match in map(_SYMBOL.match, _symbols(image)):
         if match is None or match["kind"] in "aAN":
@@ -106,7 +105,7 @@ def _symbols(image: Path) -> list[str]:
 
 
 def _part(name: str, file: str) -> str:
-    """What a person calls the folder that a symbol comes from."""
+    """The part that a symbol belongs to."""
     known = [(pattern, name, part) for pattern, part in _NAMESPACES]
     known += [(pattern, file, part) for pattern, part in _FOLDERS]
     known += [(pattern, name, part) for pattern, part in _OTHERS]

@@ -20,10 +20,10 @@ FUNCTION = re.compile(r"^([0-9a-f]+) <(.+)>:$")
 # A branch to the first instruction of a function is a call, or a call that does not return here.
 _CALL = re.compile(r"^ *([0-9a-f]+):\tb\S*\t([0-9a-f]+) <")
 _TASK = re.compile(r"/generated/graph_program/tasks/(\w+)\.cpp$")
-# Constructors of static objects. The optimiser merges those of all nodes into one function, whose
-# inlined ones then have no names.
+# Constructors of static objects. The optimiser merges the constructors of all nodes into one
+# function; inlined constructors then have no names.
 _CONSTRUCTORS = re.compile(r"_(GLOBAL_)?_?sub_I_")
-BEFORE_START = "before the first task"  # what they run, instead of a node
+BEFORE_START = "before the first task"  # stands for a node in constructors
 _SHARED = (f"{HOME}/runtime/", "/usr/include/", "/usr/lib/", "/usr/local/include/")
 
 
@@ -43,7 +43,9 @@ class Frame:
     @property
     def is_project(self) -> bool:
         """Whether it is of an app, a driver or a board, and not of what they share."""
-        is_found = self.line > 0 and Path(self.file).is_file()  # libgcc's sources are not here
+        is_found = (
+            self.line > 0 and Path(self.file).is_file()
+        )  # the sources of libgcc are not installed
         return is_found and not self.file.startswith(_SHARED)
 
 
@@ -51,7 +53,7 @@ class Frame:
 class Place:
     """Where an app, a driver or a board calls something, itself or through shared functions."""
 
-    node: str  # or BEFORE_START; empty: no task leads there
+    node: str  # or BEFORE_START; empty: no task calls it
     frame: Frame
     callee: str
 

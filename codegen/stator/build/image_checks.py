@@ -1,8 +1,8 @@
-"""What no image may hold: its symbols and instructions say it, whatever the source says.
+"""The rules of images, checked on symbols and instructions instead of the source.
 
 These chips have no instructions for double precision: a library computes it. The compiler refuses
-what is implicit (-Wdouble-promotion). What is explicit is refused here, except for nodes whose
-interface says why they need it, and for constructors, which run before the flight."""
+implicit double precision (-Wdouble-promotion). This file refuses the explicit one, except in nodes
+whose interface says why they need it, and in constructors, which run before the flight."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 TOOLS = "arm-none-eabi-"
 
-# Symbols, and why none of them may be there.
+# Forbidden symbols, and what they mean.
 DOUBLE = (
     r"__aeabi_(c?d\w+|[filu]+2d|f2d|h2d)|__\w+df[23]|__\w+didf|__\w+sidf"
     r"|__truncdfsf2|__extendsfdf2"
@@ -34,15 +34,15 @@ FORBIDDEN = {
     r"_ZGV\w+|__cxa_guard_\w+": "a guard variable",
     DOUBLE: "double precision, which this chip has no instructions for",
 }
-LIBM_WHY = "libm, which gives other bits on other machines"
+LIBM_WHY = "a libm function, whose bits differ between machines"
 CALLEES_SHOWN = 3
-# From newlib's libm; our own are in stator::math, so that a plain C name is none of ours.
+# The names of newlib's libm. Our own functions are in stator::math, never plain C names.
 NAMES = """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2
     expm1 fabs fdim floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10
     log1p log2 logb lrint lround modf nearbyint nextafter pow remainder remquo rint round scalbln
     scalbn sin sinh sincos sqrt tan tanh tgamma trunc"""
 LIBM = frozenset(f"{name}{suffix}" for suffix in ("", "f", "l") for name in NAMES.split())
-# PRIMASK and FAULTMASK keep out even what touches no topic. A write of them is CPS or MSR.
+# PRIMASK and FAULTMASK mask interrupts that touch no topic, too. CPS and MSR write them.
 MASKS = re.compile(r"\t(cps(id|ie)\b|msr\s+(primask|faultmask)\b)", re.IGNORECASE)
 BASEPRI = re.compile(r"\tmsr\s+basepri(_max)?\b", re.IGNORECASE)
 # Of topics that several levels publish (emit/templates/topics.cpp.j2).
@@ -55,15 +55,15 @@ STACK = ("stator_stack_begin", "stator_stack_end")
 
 
 def faults_of(image: Path, nodes: Mapping[str, Node] | None = None) -> list[str]:
-    """One error for each rule that the image breaks, or each function that breaks it; empty for a
-    good one. `nodes`: those of the graph."""
+    """One error for each rule that the image breaks, or for each function that breaks it.
+    `nodes`: the nodes of the graph."""
     code = _code(image)
     faults = [*_symbol_faults(image, code, nodes or {}), *_instruction_faults(code)]
     return [*faults, *_dma_faults(image)]
 
 
 def double_lines(image: Path) -> dict[str, int]:
-    """Node -> source lines of its own that compute in double precision, in a library."""
+    """Node -> the number of its source lines that compute in double precision, in a library."""
     found: dict[str, set[tuple[str, int]]] = defaultdict(set)
     symbols = _symbols(image)
     doubles = {address for address, name in symbols if re.fullmatch(DOUBLE, name)}
@@ -75,12 +75,12 @@ def double_lines(image: Path) -> dict[str, int]:
 
 
 def _dma_faults(image: Path) -> list[str]:
-    """DMA does not reach the core-coupled memory, which the stack has to itself."""
+    """DMA does not reach the core-coupled memory, which holds the stack only."""
     symbols = [line.split(maxsplit=2) for line in _run("nm", "-C", str(image)).splitlines()]
     at = {parts[2]: int(parts[0], 16) for parts in symbols if len(parts) == 3}
     stack = range(at.get(STACK[0], 0), at.get(STACK[1], 0))
     return [
-        f"error: the image has {name} where DMA does not reach"
+        f"error: DMA cannot reach {name}: it is in the memory of the stack"
         for name, address in at.items()
         if name.startswith(DMA_BUFFER) and address in stack
     ]
@@ -103,7 +103,7 @@ def _symbol_faults(image: Path, code: str, nodes: Mapping[str, Node]) -> list[st
         functions = set(names.values())
         places = calls.places(functions)
         if not calls.are_called(functions):
-            faults += [f"error: the image has {name}: {why}" for name in names]
+            faults += [f"error: the image uses {name}: {why}" for name in names]
         elif why == FORBIDDEN[DOUBLE]:
             allowed = {name for name, node in nodes.items() if node.interface.double_precision}
             refused = (p for p in places if p.node not in allowed and p.node != BEFORE_START)
@@ -116,7 +116,7 @@ def _symbol_faults(image: Path, code: str, nodes: Mapping[str, Node]) -> list[st
 def _callers(
     places: Iterable[Place], why: str, nodes: Mapping[str, Node], *, is_double: bool = False
 ) -> list[str]:
-    """An error for each function, at its first line that calls what it may not."""
+    """An error for each function, at its first line with a forbidden call."""
     functions: dict[tuple[str, str, str], list[Place]] = defaultdict(list)
     for place in places:
         functions[place.node, place.frame.function, place.frame.file].append(place)
@@ -135,7 +135,7 @@ def _callers(
 
 
 def _double_hint(node: Node | None) -> str:
-    hint = "\nhint: compute in float (1.0F, not 1.0), also with the functions of stator::math"
+    hint = "\nhint: compute in float (1.0F, not 1.0), and use the functions of stator::math"
     if node is None:
         return hint
     interface = shown_path(node.interface.file)
@@ -148,7 +148,7 @@ def _symbols(image: Path) -> list[tuple[int, str]]:
 
 
 def _calls(image: Path, code: str, symbols: list[tuple[int, str]]) -> Calls:
-    """The names of Arm's run-time ABI are the clearer ones."""
+    """Prefers the names of Arm's run-time ABI, which are clearer."""
     names = {address: name for address, name in symbols if name.startswith("__aeabi_")}
     return Calls(image, code, names)
 
@@ -167,12 +167,12 @@ def _instruction_faults(code: str) -> list[str]:
         elif MASKS.search(line):
             faults.append(f"error: {function} masks all interrupts: {' '.join(line.split()[1:])}")
         elif BASEPRI.search(line) and not SECTION.match(function):
-            faults.append(f"error: {function} writes BASEPRI, which only topic operations may")
+            faults.append(f"error: {function} writes BASEPRI: only topic operations may")
     return faults
 
 
 def sections_of(image: Path) -> dict[str, dict[str, int]]:
-    """Topic -> operation -> the most instructions with BASEPRI raised, on any way through it."""
+    """Topic -> operation -> instructions with BASEPRI raised, on the longest path."""
     found: dict[str, dict[str, int]] = {}
     for text in _code(image).split("\n\n"):
         head, _, body = text.partition("\n")
@@ -185,11 +185,12 @@ def sections_of(image: Path) -> dict[str, dict[str, int]]:
 
 _INSTRUCTION = re.compile(r"^ *([0-9a-f]+):\t(\S+)(?:\t(.*))?$")
 _BRANCH = re.compile(r"^(b|cbn?z)(eq|ne|cs|cc|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)?(\.[nw])?$")
-_ENDS = ("bl", "bx", "pop", "udf", ".word")  # inside a section a call is that of `fail`
+_ENDS = ("bl", "bx", "pop", "udf", ".word")  # a call inside a section is a call of `fail`
 
 
 def _longest_section(body: str) -> int:
-    """From the write that raises BASEPRI to the one that restores it, over all branches."""
+    """Instructions from the write that raises BASEPRI to the one that restores it, the longest
+    path."""
     lines = [match.groups() for match in map(_INSTRUCTION.match, body.splitlines()) if match]
     index = {int(at, 16): i for i, (at, _, _) in enumerate(lines)}
 

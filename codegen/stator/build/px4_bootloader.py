@@ -1,8 +1,8 @@
 """Talks to the PX4 bootloader over a serial line: identify, erase, program, check, start.
 
-Protocol revision 3 to 5: a command and its arguments end in EOC; the answer, after what was asked
-for, is INSYNC and a status. The check is a CRC-32 over the whole flash of the application, without
-the final inversion, that begins with 0."""
+Protocol revision 3 to 5: a command and its arguments end in EOC. The answer is the requested data,
+then INSYNC and a status. The check is a CRC-32 of the whole flash of the application, with initial
+value 0 and without the final inversion."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 EOC, INSYNC, OK = b"\x20", b"\x12", b"\x10"
-STATUS = {b"\x11": "failed", b"\x13": "invalid command", b"\x14": "refused this chip's revision"}
+STATUS = {b"\x11": "failed", b"\x13": "invalid command", b"\x14": "this chip revision is refused"}
 GET_SYNC, GET_DEVICE, CHIP_ERASE = b"\x21", b"\x22", b"\x23"
 PROG_MULTI, GET_CRC, REBOOT = b"\x27", b"\x29", b"\x30"
 REVISION, BOARD_ID, FLASH_SIZE = b"\x01", b"\x02", b"\x04"
 REVISIONS = range(3, 6)
-CHUNK = 252  # bytes a PROG_MULTI; whole words, below 255
+CHUNK = 252  # bytes of a PROG_MULTI; whole words, below 255
 ERASE_S = 30.0  # 2 MB take up to 24 s
 CRC_S = 5.0
 
 
 class Port(Protocol):
-    """What is used of a serial.Serial."""
+    """The part of serial.Serial that is used here."""
 
     timeout: float | None
 
@@ -42,7 +42,7 @@ def crc_of_flash(image: bytes, flash_bytes: int) -> int:
 
 
 class Bootloader:
-    """Raises `UserError` for whatever the other side says or does not say."""
+    """Raises `UserError` for a wrong or a missing answer."""
 
     def __init__(self, port: Port) -> None:
         self._port = port
@@ -54,24 +54,25 @@ class Bootloader:
         return self._port.read(2) == INSYNC + OK
 
     def identify(self, board_id: int, image_bytes: int) -> None:
-        """Makes sure that this is the board, and that the image fits."""
+        """Checks that this is the right board, and that the image fits."""
         revision = self._get(REVISION)
         if revision not in REVISIONS:
             raise UserError(
-                f"error: the bootloader speaks revision {revision} of its protocol, not "
-                f"{REVISIONS.start} to {REVISIONS.stop - 1}\nhint: renew the board's bootloader"
+                f"error: expected bootloader protocol revision {REVISIONS.start} to "
+                f"{REVISIONS.stop - 1}, found {revision}\nhint: update the board's bootloader"
             )
         found = self._get(BOARD_ID)
         if found != board_id:
             raise UserError(
-                f"error: the board on this port has the id {found}, and the image is for id "
-                f"{board_id}\nhint: --port names another one; nothing was erased"
+                f"error: expected a board with id {board_id} on this port, found id {found}; "
+                "nothing was erased\nhint: use --port for another port"
             )
         self.flash_bytes = self._get(FLASH_SIZE)
         if image_bytes > self.flash_bytes:
             raise UserError(
-                f"error: the image has {image_bytes} bytes and this board takes "
-                f"{self.flash_bytes}\nhint: nothing was erased"
+                f"error: expected an image of at most {self.flash_bytes} bytes, found "
+                f"{image_bytes}; nothing was erased\n"
+                "hint: make the graph smaller; ./stator build shows its parts"
             )
 
     def erase(self) -> None:
@@ -91,8 +92,8 @@ class Bootloader:
         expected = crc_of_flash(image, self.flash_bytes)
         if found != expected:
             raise UserError(
-                f"error: the flash reads back as CRC {found:08x}, the image has {expected:08x}\n"
-                "hint: run the same command again; the board starts nothing until it is right"
+                f"error: expected CRC {expected:08x} of the flash, found {found:08x}\n"
+                "hint: repeat the command; the board does not start a wrong image"
             )
 
     def start(self) -> None:
@@ -112,7 +113,7 @@ class Bootloader:
         answer = self._read(2, step, timeout_s)
         if answer != INSYNC + OK:
             said = STATUS.get(answer[1:], answer.hex()) if answer[:1] == INSYNC else answer.hex()
-            raise UserError(f"error: the bootloader answered to {step}: {said}\n{AGAIN}")
+            raise UserError(f"error: the bootloader refused to {step}: {said}\n{AGAIN}")
 
     def _read(self, count: int, step: str, timeout_s: float | None) -> bytes:
         usual = self._port.timeout
@@ -122,8 +123,10 @@ class Bootloader:
         finally:
             self._port.timeout = usual
         if len(answer) != count:
-            raise UserError(f"error: the bootloader stopped answering at: {step}\n{AGAIN}")
+            raise UserError(f"error: no answer from the bootloader to: {step}\n{AGAIN}")
         return answer
 
 
-AGAIN = "hint: plug the board in anew and run the same command again; the bootloader is untouched"
+AGAIN = (
+    "hint: unplug the board, plug it in again, and repeat the command; the bootloader is unchanged"
+)

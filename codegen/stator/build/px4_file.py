@@ -1,4 +1,4 @@
-"""The .px4 file that ground stations upload: JSON with the image, and which board it is for."""
+"""The .px4 file that ground stations upload: JSON with the image and the board's id."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ WORD = 4
 
 
 def padded(image: bytes) -> bytes:
-    """Whole words, as the bootloader programs them; erased flash reads as ones."""
+    """The image in whole words, which the bootloader needs; erased flash reads as ones."""
     return image + b"\xff" * (-len(image) % WORD)
 
 
 def write_px4(plan: Plan, image: bytes, file: Path, graph_hash: str) -> None:
-    """Without the time and place of the build, so that the same graph gives the same bytes."""
+    """Writes no time and no place of the build: the same graph gives the same bytes."""
     assert plan.board.upload is not None
     assert plan.board.chip is not None
     image = padded(image)

@@ -1,4 +1,4 @@
-"""`./stator bench`: figures beside their peers, each pair measured in one run."""
+"""`./stator bench`: measurements beside those of other software, in the same run."""
 
 from __future__ import annotations
 
@@ -18,16 +18,19 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "names", nargs="*", metavar="NAME", help=f"some of: {', '.join(BENCHMARKS)}"
+        "names",
+        nargs="*",
+        metavar="NAME",
+        help=f"benchmarks to run: {', '.join(BENCHMARKS)} (default: all)",
     )
-    parser.add_argument("--json", action="store_true", help="print what programs read")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
 def main(arguments: argparse.Namespace) -> int:
     unknown = [name for name in arguments.names if name not in BENCHMARKS]
     if unknown:
         raise UserError(
-            f"error: there is no benchmark '{unknown[0]}'\nhint: known: {', '.join(BENCHMARKS)}"
+            f"error: unknown benchmark '{unknown[0]}'\nhint: known: {', '.join(BENCHMARKS)}"
         )
     figures: list[Figure] = []
     for name in arguments.names or BENCHMARKS:
@@ -47,4 +50,4 @@ def _show(figures: list[Figure]) -> None:
         verdict = "met" if figure.met else "NOT MET"
         value = f"{figure.value:10.4g} {figure.unit:<6}"
         print(f"{figure.what:<{width}}  {value} {figure.bound:<24} {verdict}")
-    print("machine: shared and noisy runs vary; compare figures of one run only")
+    print("note: results vary on a shared machine; compare figures of the same run only")

@@ -1,4 +1,4 @@
-"""`./stator build`: the image of a graph, checked, and what each part takes."""
+"""`./stator build`: builds and checks the image of a graph, and shows the size of each part."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("graph", type=path, help="a graph file, such as graph/quad.yaml")
-    parser.add_argument("--board", help="another board than the graph's own")
-    parser.add_argument("--sleep", action="store_true", help="sleep when idle, instead of spinning")
-    parser.add_argument("--json", action="store_true", help="print what programs read")
+    parser.add_argument("graph", type=path, help="graph file, for example graph/quad.yaml")
+    parser.add_argument("--board", help="build for this board instead of the graph's own")
+    parser.add_argument("--sleep", action="store_true", help="sleep when idle (default: busy loop)")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -53,9 +53,9 @@ def main(arguments: argparse.Namespace) -> int:
         print(f"{name:{width}}  {size[0]:8,}  {size[1]:8,}")
     for topic, operations in sections.items():
         longest = ", ".join(f"{name} {count}" for name, count in operations.items())
-        print(f"masks its publishers' levels: {topic}, instructions: {longest}")
+        print(f"critical sections of {topic} (instructions): {longest}")
     for name, fact in doubles.items():
-        print(f"double precision in software: {name}, in {fact['lines']} lines: {fact['why']}")
+        print(f"double precision in software: node {name}, {fact['lines']} lines: {fact['why']}")
     print("\n".join(f"{shown_path(file)}" for file in files.values()))
     show_notes(plan)
     return 0

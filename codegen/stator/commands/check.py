@@ -1,4 +1,4 @@
-"""`./stator check`: checks a graph, and says what it needs or what is wrong."""
+"""`./stator check`: checks a graph, and shows its size or its errors."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_graph_arguments(parser)
     parser.add_argument("--plan", action="store_true", help="show the whole plan")
-    parser.add_argument("--json", action="store_true", help="print what programs read")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -54,7 +54,7 @@ def main(arguments: argparse.Namespace) -> int:
     levels = len({task.level for task in plan.tasks})
     slot_bytes = sum(t.message.bytes * t.slots for t in plan.topics.values())
     print(
-        f"{shown_path(plan.graph.file)}: good: {_count(len(plan.tasks), 'node')} on "
+        f"{shown_path(plan.graph.file)}: no errors: {_count(len(plan.tasks), 'node')} on "
         f"{_count(levels, 'level')}, {_count(len(plan.topics), 'topic')} in {slot_bytes} bytes of "
         f"slots, board {plan.board.name}"
     )

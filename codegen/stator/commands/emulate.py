@@ -1,4 +1,4 @@
-"""`./stator emulate`: the firmware itself flies, in QEMU, in lockstep with the plant."""
+"""`./stator emulate`: flies the firmware in QEMU, in lockstep with the plant."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_flight_arguments(parser, board="qemu_f405", what="a board that the emulator knows")
+    add_flight_arguments(parser, board="qemu_f405", what="a board that the emulator supports")
     parser.add_argument(
         "--sleep",
         action="store_true",
-        help="sleep when idle, as on hardware; two flights may then differ (docs/emulation.md)",
+        help="sleep when idle, as on hardware; two flights can then differ (docs/emulation.md)",
     )
     parser.add_argument(
         "--link",
@@ -45,19 +45,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=path,
         const=LINK,
         metavar="PATH",
-        help="offer the firmware's serial port as a socket, to ./stator top, listener and perf; "
-        "two flights may then differ",
+        help="serve the firmware's serial port as a socket for ./stator top, listener and perf; "
+        "two flights can then differ",
     )
     parser.add_argument(
         "--speed",
         type=speed_of,
         metavar="FACTOR",
-        help="at most so many times real time; 1 is real time (default: as fast as it goes)",
+        help="highest speed, as a multiple of real time (default: no limit)",
     )
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """The answer is yes if the flight was successful; no, too, if it could not be judged."""
+    """0 if the flight was successful; 1 if it failed or could not be judged."""
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".emulated")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     emulator = find_emulator()

@@ -1,4 +1,4 @@
-"""Says why a node runs when and where it does, and what a topic takes."""
+"""`./stator explain`: when and where a node runs, and why; or what a topic needs."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
     from stator.plan.plan import Plan, Task
     from stator.plan.topics import TopicPlan
 
-Row = tuple[str, str]  # what it is, and what there is to say of it
+Row = tuple[str, str]  # label and text
 
 COLUMNS = 100
 WAYS = {
-    "trigger": "each activation takes one, in order",
+    "trigger": "each activation reads one sample, in order",
     "thinned": "latest",
-    "queue": "all, in order",
+    "queue": "every sample, in order",
     "latest": "latest",
 }
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_graph_arguments(parser)
-    parser.add_argument("node", help="a node or a topic of the graph")
+    parser.add_argument("node", help="node or topic of the graph")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -44,7 +44,7 @@ def main(arguments: argparse.Namespace) -> int:
     if lines is None:
         known = [*plan.graph.nodes, *plan.topics]
         raise UserError(
-            f"error: '{arguments.node}' is no node and no topic of {plan.graph.name}\n"
+            f"error: unknown node or topic '{arguments.node}' of {plan.graph.name}\n"
             f"hint: {nearest(arguments.node, known)}"
         )
     print("\n".join(lines))
@@ -52,7 +52,7 @@ def main(arguments: argparse.Namespace) -> int:
 
 
 def explain(plan: Plan, name: str) -> list[str] | None:
-    """Lines for a node or a topic; None if the graph has neither."""
+    """Lines about a node or a topic; None if the graph has neither."""
     if name in plan.graph.nodes:
         task = plan.task(name)
         rows = [*_runs(plan, task), *_ports(plan, task.node), *_params(task.node)]
@@ -69,8 +69,8 @@ def _runs(plan: Plan, task: Task) -> list[Row]:
     rows = [
         ("in", f"{shown_path(node.mark.file)}:{node.mark.line}"),
         ("app" if node.device is None else "device", _what(plan, node)),
-        ("wakes on", triggers_text(node)),
-        ("at most every", _period(Rates(plan.graph).node(node.name))),
+        ("triggers", triggers_text(node)),
+        ("shortest period", _period(Rates(plan.graph).node(node.name))),
         ("level", _level(plan, task)),
     ]
     if task.vector is not None and plan.board.chip is not None:
@@ -78,11 +78,13 @@ def _runs(plan: Plan, task: Task) -> list[Row]:
         rows.append(("vector", f"{task.vector} of {chip}, {_vector_reason(plan, node)}"))
     peers = [t.node.name for t in plan.tasks if t.level == task.level]
     if len(peers) > 1:
-        rows.append(("order", f"in its level: {', '.join(peers)}"))
+        rows.append(("order", f"within its level: {', '.join(peers)}"))
     rows.append(("preempted by", _names(t for t in plan.tasks if t.level > task.level)))
     rows.append(("preempts", _names(t for t in plan.tasks if t.level < task.level)))
     owned = sum(_bytes(t) for t in plan.topics.values() if node.name in (t.owner, *t.publishers))
-    rows.append(("memory", f"{owned} bytes of slots; ./stator build shows code and state"))
+    rows.append(
+        ("memory", f"{owned} bytes of slots; ./stator build shows the sizes of code and state")
+    )
     return rows
 
 
@@ -97,7 +99,7 @@ def _ports(plan: Plan, node: Node) -> list[Row]:
             text += f", absent when older than {spelled_us(source.max_age_us)}"
         rows.append((f"reads {key}", text))
     for key, output in node.outputs.items():
-        readers = ", ".join(name for name, _ in plan.topics[output.topic].readers) or "nobody"
+        readers = ", ".join(name for name, _ in plan.topics[output.topic].readers) or "no node"
         rows.append((f"writes {key}", f"{output.topic}, read by {readers}"))
     return rows
 
@@ -116,8 +118,8 @@ def _params(node: Node) -> list[Row]:
 def _level(plan: Plan, task: Task) -> str:
     levels = sorted({t.level for t in plan.tasks}, reverse=True)
     place = levels.index(task.level) + 1
-    reason = "from its deadline, as the graph gives no priorities" if plan.derived else "as given"
-    return f"{task.level}, number {place} in urgency of {len(levels)}; {reason}"
+    reason = "derived from its deadline" if plan.derived else "given in the graph"
+    return f"{task.level} (rank {place} of {len(levels)} in urgency); {reason}"
 
 
 def _topic(plan: Plan, topic: TopicPlan) -> list[Row]:
@@ -130,28 +132,28 @@ def _topic(plan: Plan, topic: TopicPlan) -> list[Row]:
     if topic.log_us is not None:
         log = f"every {spelled_us(topic.log_us)}" if topic.log_us else "every sample"
     elif topic.owner and any(n.interface.reads_log for n in plan.graph.nodes.values()):
-        log = "as parameters" + (", with each change" if topic.publishers else "")
-    guard = "no critical section: one level publishes"
+        log = "as parameters" + (", at each change" if topic.publishers else "")
+    guard = "no critical section: only one level publishes"
     if topic.ceiling:
         guard = (
-            f"loan and commit keep levels up to {topic.ceiling} out, as several levels publish; "
+            f"loan and commit mask levels up to {topic.ceiling}, because several levels publish; "
             "./stator build shows for how many instructions"
         )
     publishers = ", ".join(map(with_level, topic.publishers))
     return [
         ("message", f"{topic.message.name}, {topic.message.bytes} bytes"),
-        ("from", publishers or "the start: parameters are fixed"),
-        ("read by", ", ".join(with_level(name) for name, _ in topic.readers) or "nobody"),
-        ("at most every", _period(topic.period_us)),
+        ("publishers", publishers or "none: these parameters are fixed"),
+        ("readers", ", ".join(with_level(name) for name, _ in topic.readers) or "none"),
+        ("shortest period", _period(topic.period_us)),
         ("depth", str(topic.depth)),
-        ("slots", f"{topic.slots}, so {_bytes(topic)} bytes"),
+        ("slots", f"{topic.slots} ({_bytes(topic)} bytes)"),
         ("publishing", guard),
         ("log", log),
     ]
 
 
 def _text(title: str, rows: list[Row]) -> list[str]:
-    """Long rows go on below, beside what they belong to."""
+    """A long text continues on the next line, indented."""
     width = max(len(label) for label, _ in rows)
     lines = textwrap.wrap(title, COLUMNS)
     for label, text in rows:
@@ -171,12 +173,12 @@ def _bytes(topic: TopicPlan) -> int:
 
 
 def _names(tasks: Iterable[Task]) -> str:
-    return ", ".join(task.node.name for task in tasks) or "nobody"
+    return ", ".join(task.node.name for task in tasks) or "none"
 
 
 def _period(period: Fraction | None) -> str:
     if period is None:
-        return "not known"
+        return "unknown"
     return f"{float(period):g} us ({1e6 / float(period):g} Hz)"
 
 
@@ -184,7 +186,7 @@ def _what(plan: Plan, node: Node) -> str:
     if node.device is None:
         return shown_path(node.interface.file.parent)
     driver = plan.board.devices[node.device].driver
-    bound = "no driver yet" if driver == "none" else f"driver {driver}"
+    bound = "no driver" if driver == "none" else f"driver {driver}"
     return f"{quoted(node.device)} of class {node.interface.name}; {bound} on {plan.board.name}"
 
 
@@ -196,5 +198,5 @@ def _vector_reason(plan: Plan, node: Node) -> str:
         for wire in plan.board.devices[node.device].lines[only.name]:
             number = plan.board.chip.vectors.get(vector_of(wire)) if plan.board.chip else None
             if number == plan.task(node.name).vector:
-                return f"that of its line {only.name} ({wire})"
-    return "a spare one, pended by software"
+                return f"the vector of its line {only.name} ({wire})"
+    return "a spare vector, pended by software"

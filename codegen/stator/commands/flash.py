@@ -1,4 +1,4 @@
-"""`./stator flash`: builds the image of a graph and puts it onto a board."""
+"""`./stator flash`: builds the image of a graph and writes it to a board."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from stator.plan.plan import Plan
 
 METHODS = {
-    "bootloader": "the board's own bootloader, over USB or a serial line",
-    "dfu": "the chip's ROM bootloader, with dfu-util",
+    "bootloader": "the bootloader of the board, over USB or a serial line",
+    "dfu": "the ROM bootloader of the chip, with dfu-util",
     "probe": "a debug probe, with pyOCD",
 }
 PORT = "/dev/serial/by-id/*PX4*"
@@ -36,20 +36,20 @@ ANSWER_S = 0.5
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("graph", type=path, help="a graph file, such as graph/quad.yaml")
-    parser.add_argument("--board", help="another board than the graph's own")
+    parser.add_argument("graph", type=path, help="graph file, for example graph/quad.yaml")
+    parser.add_argument("--board", help="build for this board instead of the graph's own")
     methods = "; ".join(f"{name}: {text}" for name, text in METHODS.items())
     parser.add_argument("--method", choices=METHODS, default="bootloader", help=methods)
     parser.add_argument("--port", help=f"serial port of the bootloader (default: {PORT})")
-    parser.add_argument("--dry-run", action="store_true", help="show each step and do none")
+    parser.add_argument("--dry-run", action="store_true", help="show the steps without doing them")
 
 
 def main(arguments: argparse.Namespace) -> int:
     plan = make_buildable_plan(str(arguments.graph), arguments.board)
     if plan.board.upload is None or plan.board.chip is None:
         raise UserError(
-            f"error: board '{plan.board.name}' is nothing to flash: its board.yaml has no `upload:`"
-            "\nhint: --board fmu_v2 is one that is"
+            f"error: cannot flash board '{plan.board.name}': its board.yaml has no key `upload`"
+            "\nhint: add --board fmu_v2"
         )
     image = build_image(arguments.graph, arguments.board)
     file = image_files(plan, image)["bin"]
@@ -57,35 +57,35 @@ def main(arguments: argparse.Namespace) -> int:
     if arguments.dry_run:
         print("\n".join(_steps(plan, file, arguments)))
         if refusal:
-            print(f"note: without --dry-run this is refused: {refusal}")
+            print(f"note: without --dry-run, flash refuses this image: {refusal}")
         return 0
     if refusal:
         raise UserError(
-            f"error: not flashed: {refusal}\nhint: --dry-run shows what would be done; "
-            "./stator build makes the image all the same"
+            f"error: cannot flash this image: {refusal}\n"
+            "hint: add --dry-run to see the steps, or use ./stator build to build the image only"
         )
     if arguments.method == "bootloader":
         _upload(plan, padded(file.read_bytes()), arguments.port)
         return 0
     command = _command(plan, file, arguments.method)
     if shutil.which(command[0]) is None:
-        raise UserError(f"error: {command[0]} is not installed\nhint: {INSTALL[command[0]]}")
+        raise UserError(f"error: missing program '{command[0]}'\nhint: {INSTALL[command[0]]}")
     print(shlex.join(command), flush=True)
     return 0 if subprocess.run(command, check=False).returncode == 0 else NOT_DONE
 
 
 INSTALL = {
     "dfu-util": "apt-get install dfu-util",
-    "pyocd": "pipx install pyocd, then pyocd pack install for the chip",
+    "pyocd": "pipx install pyocd, then pyocd pack install CHIP",
 }
 
 
 def _refusal(plan: Plan) -> str:
-    """Why this image must not get onto a vehicle; empty if it may."""
+    """Why this image must not be written to a vehicle; empty if it may."""
     unbound = unbound_devices(plan)
     if not unbound:
         return ""
-    return f"no driver yet on {plan.board.name} for {', '.join(unbound)}"
+    return f"board {plan.board.name} has no driver for {', '.join(unbound)}"
 
 
 def _command(plan: Plan, file: Path, method: str) -> list[str]:
@@ -101,15 +101,15 @@ def _command(plan: Plan, file: Path, method: str) -> list[str]:
 
 def _steps(plan: Plan, file: Path, arguments: argparse.Namespace) -> list[str]:
     assert plan.board.upload is not None
-    steps = [f"built     {shown_path(file)}, {file.stat().st_size:,} bytes, passed every check"]
+    steps = [f"built     {shown_path(file)}, {file.stat().st_size:,} bytes, passed all checks"]
     if arguments.method != "bootloader":
         return [*steps, f"run       {shlex.join(_command(plan, file, arguments.method))}"]
     port = arguments.port or PORT
     return [
         *steps,
-        f"wait      up to {WAIT_S:.0f} s for a bootloader on {port} at {BAUD} baud",
+        f"wait      at most {WAIT_S:.0f} s for a bootloader on {port} at {BAUD} baud",
         f"identify  board id {plan.board.upload.board_id}, protocol, flash size",
-        "erase     the application; the bootloader stays",
+        "erase     the application, not the bootloader",
         f"program   {len(padded(file.read_bytes())):,} bytes",
         "check     the CRC-32 of the whole flash",
         "start     the image",
@@ -129,9 +129,9 @@ def _upload(plan: Plan, image: bytes, port: str | None) -> None:
             bootloader.start()
     except serial.SerialException as error:
         raise UserError(
-            f"error: {error}\nhint: plug the board in anew and run the same command again"
+            f"error: {error}\nhint: unplug the board, plug it in again, and repeat the command"
         ) from None
-    print(f"check     good: {len(image):,} bytes\nstart     {plan.graph.name} is running")
+    print(f"check     passed: {len(image):,} bytes\nstart     {plan.graph.name} runs")
 
 
 def _show_progress(done: int, total: int) -> None:
@@ -144,7 +144,7 @@ def _find_bootloader(port: str | None) -> serial.Serial:
     """An open port on which a bootloader answers."""
     pattern = Path(port or PORT)
     print(
-        f"wait      for a bootloader on {pattern}: plug the board in now, or press its button",
+        f"wait      for a bootloader on {pattern}: plug in the board, or press its reset button",
         flush=True,
     )
     end = time.monotonic() + WAIT_S
@@ -159,6 +159,7 @@ def _find_bootloader(port: str | None) -> serial.Serial:
             found.close()
         time.sleep(0.1)
     raise UserError(
-        f"error: no bootloader answered on {pattern} within {WAIT_S:.0f} s\n"
-        "hint: the bootloader listens for some seconds after power-on; --port names another port"
+        f"error: no answer from a bootloader on {pattern} within {WAIT_S:.0f} s\n"
+        "hint: repeat the command, then power-cycle the board: its bootloader listens for some "
+        "seconds after power-on; use --port for another port"
     )

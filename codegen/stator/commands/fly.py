@@ -1,4 +1,4 @@
-"""`./stator fly`: builds a graph for simulation, flies it once, and reports."""
+"""`./stator fly`: builds a graph for simulation, flies it once, and judges the flight."""
 
 from __future__ import annotations
 
@@ -37,31 +37,32 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_flight_arguments(parser, board="sitl", what="a board that simulates")
+    add_flight_arguments(parser, board="sitl", what="a board with a simulated world")
     parser.add_argument(
         "--times",
         choices=["zero", "budget", "random"],
         default="zero",
-        help="let activations take time, so that others preempt them (default: zero)",
+        help="execution times of activations; with budget or random, tasks preempt others "
+        "(default: zero)",
     )
     parser.add_argument(
         "--mission",
         type=path,
         metavar="FILE",
-        help="what to fly: YAML, or a ground station's .plan (docs/missions.md); "
-        "without GRAPH flies graph/quad_outdoor.yaml",
+        help="mission to fly: YAML, or a ground station's .plan (docs/missions.md); the default "
+        "graph is then graph/quad_outdoor.yaml",
     )
     parser.add_argument(
         "--speed",
         type=speed_of,
         metavar="FACTOR",
-        help="at most so many times real time; 1 is real time (default: as fast as it goes)",
+        help="highest speed, as a multiple of real time (default: no limit)",
     )
     parser.set_defaults(graph=None, duration=None)
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """The answer is yes if the flight was successful; no, too, if it could not be judged."""
+    """0 if the flight was successful; 1 if it failed or could not be judged."""
     mission = None if arguments.mission is None else read_mission(arguments.mission)
     complete(arguments, mission)
     if mission is not None:
@@ -102,7 +103,7 @@ def main(arguments: argparse.Namespace) -> int:
 
 
 def complete(arguments: argparse.Namespace, mission: Mission | None) -> None:
-    """What the user left out."""
+    """Fills in the defaults of the graph and the duration."""
     if arguments.graph is None:
         name = "quad.yaml" if mission is None else "quad_outdoor.yaml"
         arguments.graph = HOME / "graph" / name
@@ -114,8 +115,8 @@ def _check_takes_missions(graph: Path, board: str) -> None:
     plan = make_plan(str(graph), board)
     if not any(node.interface.name == "mission" for node in plan.graph.nodes.values()):
         raise UserError(
-            f"error: {shown_path(graph)} has no node that takes a mission\n"
-            "hint: leave the graph out, or include quad_outdoor.yaml in yours"
+            f"error: missing node of app 'mission' in {shown_path(graph)}\n"
+            "hint: omit GRAPH, or include quad_outdoor.yaml in your graph"
         )
 
 

@@ -15,11 +15,13 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_graph_arguments(parser)
     parser.add_argument(
-        "-o", "--output", required=True, metavar="DIR", type=path, help="where to write"
+        "-o", "--output", required=True, metavar="DIR", type=path, help="folder to write to"
     )
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--record", action="store_true", help="with a recording of each flight")
-    what.add_argument("--replay", action="store_true", help="a program that replays recordings")
+    what.add_argument("--record", action="store_true", help="record each flight for replay")
+    what.add_argument(
+        "--replay", action="store_true", help="write a program that replays recordings"
+    )
 
 
 def main(arguments: argparse.Namespace) -> int:

@@ -1,4 +1,4 @@
-"""Draws a graph with Graphviz: nodes in order of urgency, topics as arrows, devices at the edge."""
+"""`./stator graph`: draws a graph with Graphviz. Nodes are boxes, topics are arrows."""
 
 from __future__ import annotations
 
@@ -25,13 +25,18 @@ _PALE = (0xF4, 0xF1, 0xEA)
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_graph_arguments(parser)
     parser.add_argument(
-        "-o", "--output", required=True, metavar="FILE", type=path, help=".svg, .png or .dot"
+        "-o",
+        "--output",
+        required=True,
+        metavar="FILE",
+        type=path,
+        help="picture to write: .svg, .png or .dot",
     )
 
 
 def main(arguments: argparse.Namespace) -> int:
     draw(make_plan(arguments.graph, arguments.board), arguments.output)
-    print(f"{arguments.output}: drawn")
+    print(f"{arguments.output}: written")
     return 0
 
 
@@ -39,7 +44,8 @@ def draw(plan: Plan, file: Path) -> None:
     """Writes the picture. Raises `UserError`."""
     if file.suffix not in FORMATS:
         raise UserError(
-            f"error: '{file.name}' ends in none of {', '.join(FORMATS)}\nhint: for example quad.svg"
+            f"error: expected a file name that ends in {', '.join(FORMATS)}, found '{file.name}'\n"
+            "hint: write for example quad.svg"
         )
     text = dot(plan)
     if file.suffix != ".dot":
@@ -51,7 +57,9 @@ def draw(plan: Plan, file: Path) -> None:
                 capture_output=True,
             ).stdout
         except FileNotFoundError:
-            raise UserError("error: 'dot' is missing\nhint: apt-get install graphviz") from None
+            raise UserError(
+                "error: missing program 'dot'\nhint: apt-get install graphviz"
+            ) from None
         except subprocess.CalledProcessError as error:
             said = error.stderr.decode(errors="replace").strip()
             raise UserError(f"error: dot failed: {said}") from None
@@ -82,8 +90,8 @@ def dot(plan: Plan) -> str:
                 style = 'penwidth=1.6, color="#2b2b2b"' if wakes else "style=dashed, weight=0"
                 lines.append(f'  {publisher} -> {reader} [label="{topic.name}", {style}];')
     lines += [
-        '  key [shape=plaintext, style="", fontsize=9, label="solid arrow: wakes its reader\\l'
-        'dashed: read as latest\\lstrong colour: urgent\\lsquare: owns a device\\l"];',
+        '  key [shape=plaintext, style="", fontsize=9, label="solid arrow: triggers its reader\\l'
+        'dashed arrow: read as latest\\lstrong colour: urgent\\lsharp corners: owns a device\\l"];',
         "}",
     ]
     return "\n".join(lines) + "\n"
@@ -103,5 +111,5 @@ def _node(plan: Plan, task: Task) -> str:
 
 
 def _unprompted(trigger: Trigger) -> str:
-    """What wakes a node other than a topic."""
+    """The text of a trigger that is not a topic."""
     return trigger.name if trigger.kind == "irq" else f"every {trigger.period_us / 1000:g} ms"

@@ -1,4 +1,4 @@
-"""`./stator lint`: formats and static checks, which the tests run one by one."""
+"""`./stator lint`: format and static checks. The tests run each of them as well."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--fix", action="store_true", help="repair what can be repaired, first")
-    parser.add_argument("--long", action="store_true", help="clang-tidy, too")
+    parser.add_argument("--fix", action="store_true", help="first repair what the tools can repair")
+    parser.add_argument("--long", action="store_true", help="run clang-tidy as well")
 
 
 def main(options: argparse.Namespace) -> int:
@@ -28,5 +28,5 @@ def main(options: argparse.Namespace) -> int:
         print(f"{name}: {'failed' if problems else 'ok'}", flush=True)
         if problems:
             print(problems)
-            print("hint: ./stator lint --fix" if check.fixer else "hint: to be repaired by hand")
+            print("hint: ./stator lint --fix" if check.fixer else "hint: repair this by hand")
     return 1 if failed else 0

@@ -1,4 +1,4 @@
-"""`./stator listener TOPIC`: the newest samples of a topic of what runs, field by field."""
+"""`./stator listener`: the newest samples of a topic of a running vehicle, field by field."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 CODES = {"bool": "?", "float": "f", "double": "d"}
 CODES |= {"int8": "b", "int16": "h", "int32": "i", "int64": "q"}
 CODES |= {f"u{name}": code.upper() for name, code in CODES.items() if name.startswith("int")}
-LOOK_S = 0.02  # between two looks for a new sample
+LOOK_S = 0.02  # between two requests for a new sample
 Value = float | int | bool | list[float | int | bool]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("topic", help="a topic of the graph")
+    parser.add_argument("topic", help="topic of the graph")
     parser.add_argument(
-        "--count", type=_count, metavar="N", help="end after so many samples (default: never)"
+        "--count", type=_count, metavar="N", help="end after N samples (default: no end)"
     )
     add_link_arguments(parser)
 
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _count(text: str) -> int:
     if text.isascii() and text.isdigit() and int(text) > 0:
         return int(text)
-    raise argparse.ArgumentTypeError(f"'{text}' is no whole number above 0")
+    raise argparse.ArgumentTypeError(f"expected a whole number above 0, found '{text}'")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -44,7 +44,7 @@ def main(arguments: argparse.Namespace) -> int:
         names = list(plan.topics)
         if arguments.topic not in names:
             raise UserError(
-                f"error: there is no topic '{arguments.topic}' in {plan.graph.name}\n"
+                f"error: unknown topic '{arguments.topic}' of {plan.graph.name}\n"
                 f"hint: {nearest(arguments.topic, names)}"
             )
         index = names.index(arguments.topic)
@@ -52,7 +52,7 @@ def main(arguments: argparse.Namespace) -> int:
         if arguments.count is not None:
             _listen(link, index, message, arguments)
         else:
-            with contextlib.suppress(KeyboardInterrupt):  # how one ends it
+            with contextlib.suppress(KeyboardInterrupt):  # the usual end of this command
                 _listen(link, index, message, arguments)
     return 0
 
@@ -80,12 +80,14 @@ def _listen(link: Link, index: int, message: Message, arguments: argparse.Namesp
 
 
 def decode(message: Message, data: bytes) -> dict[str, Value]:
-    """Values by field name, without padding. Raises `UserError` if the sample was cut."""
+    """Values by field name, without padding. Raises `UserError` if the sample is cut."""
     values: dict[str, Value] = {}
     offset = 0
     for field in message.fields:
         if offset + field.bytes > len(data):
-            raise UserError(f"error: samples of {message.name} are too long for the link")
+            raise UserError(
+                f"error: cannot show {message.name}: its samples are too long for the link"
+            )
         read = struct.unpack_from(f"<{field.count or 1}{CODES[field.type]}", data, offset)
         offset += field.bytes
         if not field.name.startswith("_padding"):
@@ -94,7 +96,7 @@ def decode(message: Message, data: bytes) -> dict[str, Value]:
 
 
 def _plain(value: Value) -> object:
-    """JSON knows no number that is none."""
+    """JSON has no infinity and no NaN."""
     if isinstance(value, list):
         return [_plain(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,4 +1,4 @@
-"""`./stator new`: writes the files of a new app or graph, to build and to change."""
+"""`./stator new`: writes the files of a new app or graph, ready to build and to change."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from stator import HOME
 from stator.arguments import path
 from stator.diagnostics import UserError, shown_path
-from stator.language.shapes import NAME_PATTERN
+from stator.language.shapes import NAME_HINT, NAME_PATTERN
 from stator.names import is_reserved_type, reserved_reason, upper_camel
 
 if TYPE_CHECKING:
@@ -23,18 +23,18 @@ TEMPLATES = Path(__file__).parent / "new_templates"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     kinds = parser.add_subparsers(dest="kind", metavar="app|graph", required=True)
-    app = kinds.add_parser("app", help="a node: interface, code, and the message it publishes")
+    app = kinds.add_parser("app", help="a node: interface, code, and a message to publish")
     graph = kinds.add_parser("graph", help="a vehicle that differs from the quadrotor")
-    graph.add_argument("--app", help="an app made by `./stator new app`, as its first own node")
+    graph.add_argument("--app", help="add a node of this app, which `./stator new app` has written")
     for kind in (app, graph):
-        kind.add_argument("name", help="in snake_case, such as tilt_watch")
+        kind.add_argument("name", help="name in snake_case, for example tilt_watch")
         kind.add_argument(
             "--in",
             dest="folder",
             type=path,
             default=Path(),
             metavar="DIR",
-            help="where apps/ and graphs are (default: the current folder)",
+            help="folder of apps/ and graphs (default: the current folder)",
         )
 
 
@@ -58,14 +58,12 @@ def main(arguments: argparse.Namespace) -> int:
 def _check_name(name: str, what: str) -> None:
     """Raises `UserError` for a name that the compiler would refuse."""
     if not re.fullmatch(NAME_PATTERN, name):
-        raise UserError(
-            f"error: '{name}' is no name\nhint: lower-case letters, digits, _, such as tilt_watch"
-        )
+        raise UserError(f"error: expected a name, found '{name}'\nhint: {NAME_HINT}")
     reason = reserved_reason(name, what)
     if reason or (what and is_reserved_type(upper_camel(name))):
         raise UserError(
-            f"error: '{name}' cannot be the name: {reason or 'the runtime has taken it'}"
-            "\nhint: choose another one, such as tilt_watch"
+            f"error: '{name}' cannot be a name: {reason or 'the runtime uses this name'}"
+            "\nhint: choose another name, for example tilt_watch"
         )
 
 
@@ -76,8 +74,8 @@ def _app(name: str, folder: Path) -> dict[Path, str]:
     existing = HOME / "apps" / name
     if existing.is_dir() and app.resolve() != existing:
         raise UserError(
-            f"error: Stator has an app '{name}', which this one would replace in graphs beside it\n"
-            f"hint: choose another name; to change that one, copy {shown_path(existing)} into apps"
+            f"error: duplicate app '{name}': Stator has an app of this name\n"
+            f"hint: choose another name; to change that app, copy {shown_path(existing)} to apps"
         )
     return {
         messages / f"{fields['message']}.yaml": _render("message.yaml.j2", fields),
@@ -90,7 +88,7 @@ def _app(name: str, folder: Path) -> dict[Path, str]:
 def _graph(name: str, folder: Path, app: str | None) -> dict[Path, str]:
     if app is not None and not (folder / "apps" / app / f"{app}.yaml").is_file():
         raise UserError(
-            f"error: there is no app '{app}' in {shown_path(folder / 'apps')}\n"
+            f"error: unknown app '{app}' in {shown_path(folder / 'apps')}\n"
             f"hint: ./stator new app {app}"
         )
     graphs = folder / "graph" if folder.resolve() == HOME else folder
@@ -109,12 +107,12 @@ def _render(template: str, fields: Mapping[str, str | None]) -> str:
 
 
 def _write(files: Mapping[Path, str]) -> None:
-    """All or nothing. Raises `UserError` rather than to replace a file."""
+    """Writes all files or none. Raises `UserError` instead of replacing a file."""
     for file in files:
         if file.exists():
             raise UserError(
-                f"error: {shown_path(file)} is there already\n"
-                "hint: choose another name, or remove it; nothing was written"
+                f"error: {shown_path(file)} exists already; nothing was written\n"
+                "hint: choose another name, or remove the file"
             )
     try:
         for file, text in files.items():

@@ -1,4 +1,4 @@
-"""`./stator perf`: measurement and bound side by side, of each task and chain that runs."""
+"""`./stator perf`: measured times beside their bounds, for each task and chain that runs."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ def _show(info: Info, plan: Plan, rows: list[Row], time_us: int) -> None:
     from rich.table import Table
 
     table = Table(
-        title=f"{info.graph} on {info.board}, since its start {time_us * 1e-6:.1f} s ago",
-        caption=f"longest figures; {in_words(info)}; response: from the time that its trigger "
-        "carries to its end, so that a chain's is its last task's",
+        title=f"{info.graph} on {info.board}, {time_us * 1e-6:.1f} s since its start",
+        caption=f"maximum values; {in_words(info)}; response: from the time of the trigger to the "
+        "end; the response of a chain is that of its last task",
         box=box.SIMPLE_HEAD,
     )
     table.add_column("task or chain", overflow="fold")

@@ -1,4 +1,4 @@
-"""`./stator plot`: one picture of a flight."""
+"""`./stator plot`: draws one picture of a flight."""
 
 from __future__ import annotations
 
@@ -14,18 +14,20 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("log", type=path, help="a ULog file, such as build/flights/quad-seed1.ulg")
+    parser.add_argument(
+        "log", type=path, help="ULog file, for example build/flights/quad-seed1.ulg"
+    )
     parser.add_argument(
         "-o",
         "--output",
         type=path,
         metavar="FILE",
-        help=f"{', '.join(FORMATS)} (default: beside the log, .png)",
+        help=f"picture to write: {', '.join(FORMATS)} (default: a .png beside the log)",
     )
 
 
 def main(arguments: argparse.Namespace) -> int:
     output: Path = arguments.output or arguments.log.with_suffix(".png")
     draw(arguments.log, output)
-    print(f"{shown_path(output)}: drawn")
+    print(f"{shown_path(output)}: written")
     return 0

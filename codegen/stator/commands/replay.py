@@ -1,4 +1,4 @@
-"""`./stator replay`: runs a recorded flight again, and compares every sample."""
+"""`./stator replay`: repeats a recorded flight, and compares every sample."""
 
 from __future__ import annotations
 
@@ -25,28 +25,28 @@ if TYPE_CHECKING:
 
 Facts = dict[str, Any]
 
-# Streams of the levels end within a few periods of the logger: the log's end cuts them.
-MOST_CUT_US = 500_000
+# The end of the log cuts the streams of the levels within a few periods of the logger.
+MAX_CUT_US = 500_000
 
 
 @dataclass(frozen=True)
 class Subject:
-    """The graph that replays, and what has changed since the recording."""
+    """The graph to replay with, and whether it is the recorded one."""
 
     plan: Plan
     same_hash: bool
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("log", type=path, help="a flight log with a recording")
+    parser.add_argument("log", type=path, help="flight log with a recording")
     parser.add_argument(
-        "--graph", type=path, help="the graph file, if it is not where the log says"
+        "--graph", type=path, help="graph file, if it is not at the path in the log"
     )
-    parser.add_argument("--json", action="store_true", help="print what programs read")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """The answer is yes if all could be replayed, and every sample is equal."""
+    """0 if the whole recording was replayed and every sample is equal; else 1."""
     recording = read_recording(arguments.log)
     subject = find_graph(recording, arguments.graph)
     program = build_replay(subject.plan)
@@ -54,7 +54,7 @@ def main(arguments: argparse.Namespace) -> int:
         command = [program, arguments.log, str(recording.good_bytes)]
         finished = subprocess.run(command, check=False, capture_output=True, text=True)
     if finished.returncode != 0:
-        raise UserError(finished.stderr.rstrip() or "error: the replay died")
+        raise UserError(finished.stderr.rstrip() or "error: the replay program ended unexpectedly")
     facts = facts_of(recording, subject, json.loads(finished.stdout))
     if arguments.json:
         print(json.dumps(facts, indent=2))
@@ -72,13 +72,11 @@ def find_graph(recording: Recording, file: Path | None) -> Subject:
         places = [HOME / shown, Path(shown), recording.log.parent / Path(shown).name]
         file = next((place for place in places if place.is_file()), None)
     if file is None:
-        raise UserError(
-            f"error: the graph of this recording, '{shown}', is not here\nhint: add --graph FILE"
-        )
+        raise UserError(f"error: missing graph '{shown}' of this recording\nhint: add --graph FILE")
     plan = make_plan(str(file), None)
     same_hash = graph_hash(plan) == recording.hash
     if not same_hash and board != plan.board.name:
-        # On its board it may have been planned anew.
+        # Its board may have a plan of its own.
         with contextlib.suppress(Failed):
             planned = make_plan(str(file), board)
             if graph_hash(planned) == recording.hash:
@@ -89,7 +87,7 @@ def find_graph(recording: Recording, file: Path | None) -> Subject:
 
 
 def _refuse_misfits(recording: Recording, plan: Plan, name: str) -> None:
-    """Another graph can replay a recording if it has the same nodes with the same wiring."""
+    """Another graph can replay a recording if it has the same nodes with the same connections."""
     now = _lines(definitions(plan, ""))
     misfits = [
         what
@@ -100,15 +98,15 @@ def _refuse_misfits(recording: Recording, plan: Plan, name: str) -> None:
         shown = ", ".join(f"{kind} {what}" for kind, what in misfits[:5])
         more = f" and {len(misfits) - 5} more" if len(misfits) > 5 else ""
         raise UserError(
-            f"error: this recording of graph '{name}' does not fit {shown_path(plan.graph.file)}: "
-            f"missing there, or with other fields or wiring: {shown}{more}\n"
-            f"hint: its hash is {recording.hash[:12]}, the graph's {graph_hash(plan)[:12]}; "
-            "replay with the graph that flew: --graph FILE"
+            f"error: expected graph '{name}' with hash {recording.hash[:12]}, found "
+            f"{shown_path(plan.graph.file)} with hash {graph_hash(plan)[:12]}; missing there, or "
+            f"with other fields or connections: {shown}{more}\n"
+            "hint: replay with the graph that flew: --graph FILE"
         )
 
 
 def _lines(lines: list[str]) -> dict[tuple[str, str], str]:
-    """(kind, name) -> what must be equal; not the level, as any order of levels will do."""
+    """(kind, name) -> what must be equal. The level need not be: any order of levels replays."""
     found = {}
     for line in lines:
         words = line.split(" ")
@@ -127,13 +125,13 @@ def facts_of(recording: Recording, subject: Subject, run: Facts) -> Facts:
     topics = {name: row["different"] == 0 for name, row in run["topics"].items()}
     ends = []
     if recording.problem:
-        ends.append(f"the log cannot be trusted further: {recording.problem}")
+        ends.append(f"the log is damaged: {recording.problem}")
     for level, lost in sorted(recording.gaps.items()):
-        ends.append(f"a gap: level {level} lost {lost:,} activations, as its stream was full")
-    if not ends and run["recorded_until_us"] - run["until_us"] > MOST_CUT_US:
         ends.append(
-            f"something that a node read after {run['until_us'] * 1e-6:.3f} s is not recorded"
+            f"the recording has a gap: level {level} lost {lost:,} activations (buffer full)"
         )
+    if not ends and run["recorded_until_us"] - run["until_us"] > MAX_CUT_US:
+        ends.append(f"the recording lacks an input of a node after {run['until_us'] * 1e-6:.3f} s")
     same = all(topics.values())
     return {
         "equal": same and not ends and bool(topics),
@@ -178,7 +176,7 @@ def _difference(recording: Recording, first: Facts) -> Facts:
 
 
 def _differ(a: float, b: float) -> bool:
-    return a != b and not (a != a and b != b)  # not a number is written in one way only
+    return a != b and not (a != a and b != b)  # NaN has one bit pattern in logs
 
 
 # --- for people ---
@@ -188,10 +186,10 @@ def report(facts: Facts) -> None:
     from rich.console import Console
 
     console = Console(highlight=False, soft_wrap=True, markup=False)
-    console.print(f"{facts['graph']} of {facts['board']}, replayed: ", end="")
+    console.print(f"replay of {facts['graph']} on {facts['board']}: ", end="")
     differs = facts["first_difference"] is not None or not facts["topics"]
     style = "bold green" if facts["equal"] else "bold red"
-    verdict = "NOT EQUAL" if differs else "equal" if facts["equal"] else "EQUAL BUT NOT WHOLE"
+    verdict = "NOT EQUAL" if differs else "equal" if facts["equal"] else "EQUAL, BUT INCOMPLETE"
     console.print(verdict, style=style)
     for label, text in _rows(facts):
         console.print(f"  {label:<10}{text}")
@@ -202,7 +200,7 @@ def _rows(facts: Facts) -> list[tuple[str, str]]:
     counts = f"{facts['activations']:,} activations, {facts['samples']:,} samples of "
     rows = [("run", f"{counts}{len(facts['topics'])} topics, {until}")]
     if not facts["same_hash"]:
-        rows.append(("graph", "it has changed since: its hash is another one; it still fits"))
+        rows.append(("graph", "it has changed since the recording (another hash), and still fits"))
     if facts["ends_early"]:
         rows += [("ends", reason) for reason in str(facts["reason"]).split("; ")]
     if facts["first_difference"] is not None:
@@ -216,11 +214,14 @@ def _rows(facts: Facts) -> list[tuple[str, str]]:
 def _difference_rows(first: Facts) -> list[tuple[str, str]]:
     where = f"{first['topic']}, sample {first['sequence_number']:,}, at {first['time_s']:.6f} s"
     if first["kind"] != "value":
-        what = {"missing": "recorded, not published now", "extra": "published now, not recorded"}
+        what = {
+            "missing": "recorded, but not published in the replay",
+            "extra": "published in the replay, but not recorded",
+        }
         return [("first", f"{where}: {what[first['kind']]}")]
     if first["field"] is not None:
-        text = f"{first['field']} was {first['recorded']!r}, is now {first['replayed']!r}"
+        text = f"{first['field']}: recorded {first['recorded']!r}, replayed {first['replayed']!r}"
     else:
-        crcs = f"was {first['recorded_crc32']}, is now {first['replayed_crc32']}"
-        text = f"the CRC-32 {crcs} (the log does not have this sample)"
+        crcs = f"recorded {first['recorded_crc32']}, replayed {first['replayed_crc32']}"
+        text = f"CRC-32: {crcs} (the log does not contain this sample)"
     return [("first", where), ("", text)]

@@ -1,4 +1,4 @@
-"""`./stator run`: builds a graph for threads, runs it in real time, and reports."""
+"""`./stator run`: builds a graph for threads, runs it in real time, and judges the flight."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from stator.flight.arguments import (
     recording_of,
 )
 from stator.flight.facts import default_log, facts_of
-from stator.flight.nonvolatile import nonvolatile_of, nonvolatile_rows, told_of
+from stator.flight.nonvolatile import nonvolatile_facts, nonvolatile_of, nonvolatile_rows
 from stator.flight.progress import progress
 from stator.flight.report import flight_rows, log_rows, show
 from stator.flight.restarts import RESTART, SIGNALLED, run_lives
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     import subprocess
     from collections.abc import Iterator
 
-LEAST_SPEED = 0.001
-MOST_CPUS = 64
+MIN_SPEED = 0.001
+MAX_CPUS = 64
 OWN_FACTS = (
     "missed_samples",
     "missed_releases",
@@ -48,7 +48,7 @@ OWN_FACTS = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_flight_arguments(parser, board="linux", what="a board of threads")
+    add_flight_arguments(parser, board="linux", what="a board that runs on threads")
     _add_device_arguments(parser)
     machine = parser.add_argument_group("this machine")
     machine.add_argument(
@@ -56,85 +56,85 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=slow_speed_of,
         default=1.0,
         metavar="FACTOR",
-        help="how fast the graph's clock runs, at most 1: under a debugger, valgrind or a "
-        "sanitizer, or on a machine that is too slow (default: 1, real time)",
+        help="speed of the graph's clock, at most 1 (real time). Use less under a debugger, "
+        "valgrind or a sanitizer, or on a slow machine (default: 1)",
     )
     machine.add_argument(
         "--cpus",
         type=cpus_of,
         metavar="LIST",
-        help="the processors that the graph may use, such as 1 or 0,2-3 (default: all)",
+        help="processors to use, for example 1 or 0,2-3 (default: all)",
     )
     machine.add_argument(
         "--link",
         type=path,
         metavar="PATH",
-        help="where ./stator top, listener and perf find this run (default: build/link, or "
-        "build/link2 and so on if another one has it)",
+        help="socket for ./stator top, listener and perf (default: build/link; build/link2 and so "
+        "on while another run uses it)",
     )
 
 
 def _add_device_arguments(parser: argparse.ArgumentParser) -> None:
     devices = parser.add_argument_group("devices")
     devices.add_argument(
-        "--can", metavar="INTERFACE", help="the CAN interface behind the device can1, such as can0"
+        "--can", metavar="INTERFACE", help="CAN interface of the device can1, for example can0"
     )
     parts = devices.add_mutually_exclusive_group()
     parts.add_argument(
         "--no-can-parts",
         action="store_true",
-        help="the motor controllers and the receiver on the CAN bus are real: simulate none",
+        help="do not simulate the motor controllers and the receiver on the CAN bus: they are real",
     )
     parts.add_argument(
         "--can-parts",
         metavar="INTERFACE",
-        help="simulate them on another interface than the vehicle's: a program of yours, or a "
-        "bridge, stands between the two",
+        help="simulate them on this interface; your own program or bridge connects it to the "
+        "vehicle's interface",
     )
     devices.add_argument(
         "--nonvolatile",
         type=path,
         metavar="FILE",
-        help="where records are kept that outlive the run, such as the ids of parts on a CAN bus "
-        "(default: beside the log, with the end .records); without the file, it begins with none",
+        help="file of the records that survive a restart, for example the ids of parts on a CAN "
+        "bus (default: a .records file beside the log); a new file is empty",
     )
 
 
 def slow_speed_of(text: str) -> float:
     with contextlib.suppress(ValueError):
-        if LEAST_SPEED <= float(text) <= 1.0:
+        if MIN_SPEED <= float(text) <= 1.0:
             return float(text)
     raise argparse.ArgumentTypeError(
-        f"'{text}' is no factor from {LEAST_SPEED} to 1: threads run in real time or slower; "
-        "./stator fly simulates as fast as the machine can"
+        f"expected a factor from {MIN_SPEED} to 1, found '{text}'; to simulate faster than real "
+        "time, use ./stator fly"
     )
 
 
 def cpus_of(text: str) -> int:
-    """A list of processors as the system's tools write it, as a mask."""
+    """The mask of a list of processors such as 0,2-3."""
     mask = 0
     for part in text.split(","):
         first, dash, last = part.partition("-")
         ends = [first, last if dash else first]
-        if not all(end.isascii() and end.isdigit() and int(end) < MOST_CPUS for end in ends):
+        if not all(end.isascii() and end.isdigit() and int(end) < MAX_CPUS for end in ends):
             raise argparse.ArgumentTypeError(
-                f"'{text}' is no list of processors from 0 to {MOST_CPUS - 1}, such as 0,2-3"
+                f"expected processors from 0 to {MAX_CPUS - 1}, for example 0,2-3, found '{text}'"
             )
         mask |= sum(1 << cpu for cpu in range(int(ends[0]), int(ends[1]) + 1))
     if mask == 0:
-        raise argparse.ArgumentTypeError(f"'{text}' names no processor")
+        raise argparse.ArgumentTypeError(f"expected at least one processor, found none in '{text}'")
     return mask
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """The answer is yes if it ran to its end, and a vehicle flew within all limits; no, too, if it
-    could not be judged. 128 and more: a signal ended it."""
+    """0 if it ran to its end, and a vehicle flew within all limits; 1 if not, or if the flight
+    could not be judged; 128 plus the number of the signal that ended it."""
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     program = build(arguments.graph, arguments.board, recording_of(arguments), executor="pthread")
     flies = _flies(arguments)
     memory = nonvolatile_of(arguments, log)
-    name = f"running {arguments.graph.stem} for {arguments.duration:g} s at most; Ctrl-C ends it"
+    name = f"running {arguments.graph.stem} for at most {arguments.duration:g} s (Ctrl-C to end)"
     with _link_of(arguments) as link:
 
         def command_of(duration_s: float) -> list[str]:
@@ -155,7 +155,7 @@ def main(arguments: argparse.Namespace) -> int:
         in_wind=is_windy(arguments),
     )
     facts["logs_before_restart"] = [str(path.resolve()) for path in earlier]
-    facts["nonvolatile"] = told_of(memory, facts.get("nonvolatile"))
+    facts["nonvolatile"] = nonvolatile_facts(memory, facts.get("nonvolatile"))
     facts |= rates_of(arguments)
     facts["link"] = None if link is None else str(link)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
@@ -178,30 +178,34 @@ def _link_of(arguments: argparse.Namespace) -> Iterator[Path | None]:
 
 
 def _tell_link(link: Path | None) -> None:
-    """If ./stator top does not find this run by itself."""
+    """Prints how to find this run, if it is not at the default place."""
     if link is None:
-        print("note: ./stator top finds no run here; --link /tmp/link gives one", file=sys.stderr)
+        print(
+            "note: this run has no link for ./stator top; to get one, add --link /tmp/link",
+            file=sys.stderr,
+        )
     elif link != LINK:
         print(
-            f"note: another run has {shown_path(LINK)}; look at this one with "
+            f"note: another run uses {shown_path(LINK)}; the link of this run is "
             f"--link {shown_path(link)}",
             file=sys.stderr,
         )
 
 
 def _flies(arguments: argparse.Namespace) -> bool:
-    """Whether there is a flight to judge. Raises `UserError` if graph and bus do not fit."""
+    """Whether there is a flight to judge. Raises `UserError` if graph and options do not fit."""
     tasks = make_plan(str(arguments.graph), arguments.board).tasks
     has_can = any(task.node.device == "can1" for task in tasks)
     if has_can and arguments.can is None:
         raise UserError(
-            f"error: {arguments.graph.stem} has a CAN bus, and no interface is given for it\n"
-            "hint: add --can vcan0; ip link add vcan0 type vcan && ip link set vcan0 up makes one"
+            f"error: missing option --can: {arguments.graph.stem} has a CAN bus\n"
+            "hint: add --can vcan0; to create this interface: ip link add vcan0 type vcan && "
+            "ip link set vcan0 up"
         )
     if arguments.can is not None and not has_can:
-        raise UserError(f"error: {arguments.graph.stem} has no device can1\nhint: leave out --can")
+        raise UserError(f"error: unknown device can1 of {arguments.graph.stem}\nhint: remove --can")
     if arguments.can_parts is not None and arguments.can is None:
-        raise UserError("error: --can-parts without a bus of the vehicle\nhint: add --can vcan0")
+        raise UserError("error: missing option --can: --can-parts needs it\nhint: add --can vcan0")
     has_motors = any(task.node.device == "motors" for task in tasks)
     return is_judged(arguments) and (has_motors or not arguments.no_can_parts)
 
@@ -271,29 +275,29 @@ def _report(facts: dict[str, Any], earlier: list[Path], *, as_json: bool) -> Non
 
 
 def _restart_rows(earlier: list[Path]) -> list[tuple[str, str]]:
-    text = "as somebody who may asked for it; the log until then is"
+    text = "on an authorised request; earlier log:"
     return [("restarted", f"{text} {shown_path(log)}") for log in earlier]
 
 
 def _run_rows(facts: dict[str, Any]) -> list[tuple[str, str]]:
     if "levels" not in facts:
         return []
-    missed = f"{facts['missed_samples']} of devices, {facts['missed_releases']} releases"
+    missed = f"{facts['missed_samples']} device samples, {facts['missed_releases']} releases"
     load = sum(level["load"] for level in facts["levels"])
     worst = max(facts["levels"], key=lambda level: level["worst_release_us"])
-    pace = "in real time" if facts["speed"] == 1.0 else f"at {facts['speed']:g} of real time"
+    pace = "in real time" if facts["speed"] == 1.0 else f"at {facts['speed']:g} times real time"
     rows = [
         ("run", f"{facts['duration_s']:.1f} s {pace}; {facts['activations']:,} activations"),
-        ("lost", f"{facts['lost_samples']} samples; missed as the machine was busy: {missed}"),
+        ("lost", f"{facts['lost_samples']} samples; missed because the machine was busy: {missed}"),
         ("load", f"{100 * load:.1f} % of one processor, {len(facts['levels'])} levels"),
     ]
     if worst["worst_release_us"] > 0:
-        late = f"by {worst['worst_release_us']:.0f} us, on level {worst['level']}"
-        rows.append(("release", f"the latest was late {late}"))
+        late = f"{worst['worst_release_us']:.0f} us, on level {worst['level']}"
+        rows.append(("release", f"greatest delay {late}"))
     rows += [
         (
             "note",
-            f"{row['what']}: not allowed ({row['why']}): {row['cost']}; remedy: {row['remedy']}",
+            f"no permission for {row['what']} ({row['why']}): {row['cost']}; hint: {row['remedy']}",
         )
         for row in facts["not_allowed"]
     ]

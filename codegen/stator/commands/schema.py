@@ -1,4 +1,4 @@
-"""`./stator schema`: prints the language, for editors or for people."""
+"""`./stator schema`: prints the description of the language, for editors or for people."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--reference", action="store_true", help="print docs/reference.md, for people, instead"
+        "--reference", action="store_true", help="print docs/reference.md, for people"
     )
 
 

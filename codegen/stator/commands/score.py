@@ -1,4 +1,4 @@
-"""`./stator score`: an estimator over recordings, against what was true."""
+"""`./stator score`: the error of an estimator on recorded sensor data with known truth."""
 
 from __future__ import annotations
 
@@ -61,14 +61,14 @@ values at 285.714 Hz: gyro xyz [rad/s], accelerometer xyz [m/s^2], magnetometer 
 attitude wxyz (sensor to east-north-up, NaN where unknown), moving (0 or 1).
 
 {navigation.EPILOG}"""
-    parser.add_argument("estimator", choices=["attitude", "navigation"], help="what to score")
+    parser.add_argument("estimator", choices=["attitude", "navigation"], help="the estimator")
     parser.add_argument(
         "folder",
         type=Path,
         metavar="DIR",
-        help="folder of recordings, and of what others made of them if there is that",
+        help="folder of recordings; results of other software in it are scored as well",
     )
-    parser.add_argument("--json", action="store_true", help="print what programs read")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -79,7 +79,8 @@ def main(arguments: argparse.Namespace) -> int:
         scores, peers = score(arguments.folder)
     except subprocess.CalledProcessError as problem:
         raise UserError(
-            f"error: playback ended with status {problem.returncode}\nhint: its message is above"
+            f"error: the playback program ended with status {problem.returncode}\n"
+            "hint: see its message above"
         ) from None
     mean = mean_of("mean", scores)
     if arguments.json:

@@ -1,4 +1,4 @@
-"""`./stator test`: builds, runs the C++ and the Python tests, and counts both in one line."""
+"""`./stator test`: builds, runs the C++ and the Python tests, and counts them together."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--long", action="store_true", help="run the long ones, too")
+    parser.add_argument("--long", action="store_true", help="run the long tests as well")
     parser.add_argument(
         "names",
         nargs="*",
         metavar="NAME",
-        help="a file or folder of tests, or a part of a test's name (as for ctest -R, pytest -k)",
+        help="file or folder of tests, or part of a test's name (as for ctest -R and pytest -k)",
     )
 
 
 def main(options: argparse.Namespace) -> int:
     cases = run_all(options.names, options.long)
     if not any(case.outcome is not Outcome.SKIPPED for case in cases):
-        matches = f": none matches {' '.join(options.names)}" if options.names else ""
-        longer = "" if options.long else "; --long looks among the long ones, too"
+        matches = f": no test matches {' '.join(options.names)}" if options.names else ""
+        longer = "" if options.long else "\nhint: add --long to include the long tests"
         print(f"no test ran{matches}{longer}")
     print("\n".join(["", *closing_lines(cases)]), flush=True)
     failed = any(case.outcome is Outcome.FAILED for case in cases)

@@ -1,4 +1,4 @@
-"""`./stator top`: what each task of a running vehicle does, refreshed."""
+"""`./stator top`: a live table of the tasks of a running vehicle."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_interval,
         default=1.0,
         metavar="S",
-        help="seconds between two looks (default: 1)",
+        help="seconds between two measurements (default: 1)",
     )
-    parser.add_argument("--once", action="store_true", help="print one table and end")
+    parser.add_argument("--once", action="store_true", help="print one table, and end")
 
 
 def _interval(text: str) -> float:
@@ -37,7 +37,7 @@ def _interval(text: str) -> float:
     except ValueError:
         value = 0.0
     if not 0.05 <= value <= 20.0:
-        raise argparse.ArgumentTypeError(f"'{text}' is no number of seconds from 0.05 to 20")
+        raise argparse.ArgumentTypeError(f"expected seconds from 0.05 to 20, found '{text}'")
     return value
 
 
@@ -48,7 +48,7 @@ def main(arguments: argparse.Namespace) -> int:
         if arguments.once or arguments.json or not sys.stdout.isatty():
             _once(link, info, plan, arguments)
         else:
-            with contextlib.suppress(KeyboardInterrupt):  # how one ends it
+            with contextlib.suppress(KeyboardInterrupt):  # the usual end of this command
                 _live(link, info, plan, arguments.interval)
     return 0
 
@@ -69,7 +69,7 @@ def _once(link: Link, info: Info, plan: Plan, arguments: argparse.Namespace) -> 
 def _tell_fault(link: Link, info: Info, plan: Plan) -> None:
     record = link.fault() if info.failed_before else None
     if record is not None:
-        print("\n".join(explain(record, plan)).replace("error: the", "the run before:", 1))
+        print("\n".join(explain(record, plan)).replace("error: the", "previous run: the", 1))
 
 
 def _live(link: Link, info: Info, plan: Plan, interval_s: float) -> None:

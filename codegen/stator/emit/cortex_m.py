@@ -95,7 +95,7 @@ def program(plan: Plan) -> CortexProgram:
     taken = [f"{line.device}_{line.line}" for row in dispatchers for line in row.lines]
     return CortexProgram(
         dispatchers=dispatchers,
-        taken_lines=list(dict.fromkeys(taken)),  # once each, however many vectors raise a line
+        taken_lines=list(dict.fromkeys(taken)),  # each once, even if several vectors raise it
         board_interrupts=plan.board.interrupts,
         vectors=[
             VectorRow(
@@ -129,7 +129,7 @@ def _dispatchers(plan: Plan) -> list[Dispatcher]:
         for trigger, device, vector in _wires(plan, task):
             if vector == task.vector or device.driver == "none":
                 continue
-            # Tasks come most urgent first, so that the first one gives the level.
+            # The most urgent task comes first, and gives the level.
             name = names[vector]
             row = found.setdefault(
                 vector, Dispatcher(vector, f"dispatch_{name}", task.level, f"lines of {name}")
@@ -173,7 +173,7 @@ def image(plan: Plan) -> dict[str, MemoryRow]:
     missing = [name for name in MEMORIES if name not in plan.board.chip.memory]
     if missing:
         raise UserError(
-            f"error: chip {plan.board.chip.name} has no memory {', '.join(missing)}\n"
+            f"error: missing memory {', '.join(missing)} of chip {plan.board.chip.name}\n"
             f'hint: add `memory: {{{missing[0]}: {{at: "0x20000000", bytes: 131072}}}}` to its file'
         )
     return {

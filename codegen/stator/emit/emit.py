@@ -95,7 +95,7 @@ def emit_replay(plan: Plan) -> dict[str, str]:
     parameters = params.start_values(plan)
     table = params.table(plan)
     if table is not None:
-        table = replace(table, topics=[])  # those of a recording are bytes
+        table = replace(table, topics=[])  # a recording holds samples as bytes
         files["parameter_table.cpp"] = _render("parameter_table.cpp.j2", graph, table=table)
     files["replay_tasks.hpp"] = _render("replay_tasks.hpp.j2", graph, tasks=tasks)
     for task in tasks:
@@ -173,15 +173,15 @@ def _pthread(plan: Plan, tasks: list[TaskRow], topics: list[rows.TopicRow]) -> d
 
 
 def write(files: dict[str, str], folder: Path) -> int:
-    """Writes what differs, removes what an earlier run wrote and this one did not. Returns how many
-    files changed. Raises `UserError` where it cannot write, or would overwrite what is not its own.
+    """Writes changed files, and removes files that only an earlier run wrote. Returns the number of
+    changed files. Raises `UserError` if it cannot write, or would overwrite other files.
     """
     try:
         return _write(files, folder)
     except OSError as error:
         raise UserError(
             f"error: cannot write '{error.filename or folder}': {error.strerror}\n"
-            "hint: name a folder that is new, empty, or an earlier output"
+            "hint: use a folder that is new, empty, or an earlier output"
         ) from error
 
 
@@ -189,11 +189,11 @@ def _write(files: dict[str, str], folder: Path) -> int:
     manifest = folder / MANIFEST
     if not manifest.is_file() and folder.is_dir() and any(folder.iterdir()):
         raise UserError(
-            f"error: '{folder}' has files that are not an earlier output\n"
-            "hint: name a folder that is new or empty"
+            f"error: expected a new or empty folder, found '{folder}' with other files\n"
+            "hint: use a folder that is new, empty, or an earlier output"
         )
     old = manifest.read_bytes().decode(errors="replace").split("\n") if manifest.is_file() else []
-    # What a run leaves that could not write all is an earlier output, too.
+    # The list comes first: the files of an interrupted run count as earlier output, too.
     _write_if_changed(manifest, "\n".join(dict.fromkeys([*files, *filter(None, old)])) + "\n")
     changed = 0
     for name in old:

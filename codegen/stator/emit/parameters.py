@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from stator.plan.plan import Plan
 
 KINDS = {"float": "real", "int32": "whole", "bool": "flag"}
-# Where an interface gives no range: what its type holds as the checker has it.
+# The range of a parameter without `range`: the values that the checker accepts for its type.
 WITHOUT_RANGE = {"float": "1e+37F", "int32": "2147483647"}
 
 

@@ -58,8 +58,8 @@ def program(plan: Plan) -> ThreadProgram:
 
 
 def depth(plan: Plan, topic: TopicPlan) -> int:
-    """As planned; but a reader that outranks its publisher does not run inside the publication
-    here, so that the burst of one activation is to be held for it, too."""
+    """The planned depth, or the burst of one activation if it is larger: with threads, a reader
+    that outranks its publisher does not run inside the publication."""
     if topic.owner or plan.graph.topics[topic.name].config.depth is not None:
         return topic.depth
     bursts = [
@@ -72,9 +72,9 @@ def depth(plan: Plan, topic: TopicPlan) -> int:
 
 
 def slots(plan: Plan, topic: TopicPlan) -> int:
-    """D + what each level may hold besides, as levels truly run at once: the newest sample that it
-    has read, one that it takes from the queue, one that it builds; and the newest that the link has
-    told of. docs/topics.md has the argument."""
+    """D plus the samples that each level can hold, because levels run at the same time: the newest
+    sample that it has read, one from the queue, and one that it builds; plus the newest sample
+    that the link has sent. docs/topics.md has the argument."""
     held = {(name, _hold(plan, name, port)) for name, port in topic.readers}
     held |= {(name, "loan") for name in topic.publishers}
     if topic.owner:

@@ -16,16 +16,16 @@ if TYPE_CHECKING:
     from stator.graph.model import Message, Node
     from stator.plan.plan import Plan, Task
 
-START_LEVEL = 0  # of what is published before anything runs
-# A stream holds what its level records in this time, or in so many periods of the logger.
+START_LEVEL = 0  # of publications before the first task runs
+# A stream holds the records of its level for this time, or for this number of logger periods.
 HELD_US = 50_000
 HELD_PERIODS = 4
-LEAST_STREAM = 256
-# Bytes of parts of a record, at most as a rule.
-HEAD_BYTES = 8  # task, end, what fired, time since the one before
+MIN_STREAM = 256
+# Bytes of the parts of a record; rare records are larger.
+HEAD_BYTES = 8  # task, end, what fired, time since the previous record
 TAKE_BYTES = 2  # tag and number
 CRC_BYTES = 4
-LOGGED_BYTES = 5  # of a logged sample, besides itself: size, type, topic
+LOGGED_BYTES = 5  # of a logged sample, without its data: size, type, topic
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Recorded:
     level: int
     inputs: tuple[Port, ...]
     outputs: tuple[Port, ...]
-    params: tuple[Port, ...]  # outputs, too: parameters that it publishes
+    params: tuple[Port, ...]  # parameters that it publishes; also outputs
     timers: int
     lines: tuple[str, ...]
 
@@ -103,7 +103,7 @@ def _of_task(plan: Plan, task: Task) -> Recorded:
     )
 
 
-# --- what a recording says of itself ---
+# --- definitions in a recording ---
 
 
 def definitions(plan: Plan, file: str) -> list[str]:
@@ -230,7 +230,7 @@ def recording_row(plan: Plan, file: str) -> RecordingRow:
     )
 
 
-# --- how much it takes ---
+# --- the size of a recording ---
 
 
 def stream_bytes(plan: Plan) -> dict[int, int]:
@@ -243,9 +243,7 @@ def stream_bytes(plan: Plan) -> dict[int, int]:
         each = _record_bytes(plan, task, rates)
         activations = 1 if task.kind == "parameters" else held_us / _period_us(rates, task.name) + 1
         sizes[task.level] = sizes.get(task.level, Fraction(0)) + each * activations
-    return {
-        level: _power_of_two(max(Fraction(LEAST_STREAM), size)) for level, size in sizes.items()
-    }
+    return {level: _power_of_two(max(Fraction(MIN_STREAM), size)) for level, size in sizes.items()}
 
 
 def bytes_per_second(plan: Plan) -> int:
@@ -287,7 +285,7 @@ def _record_bytes(plan: Plan, task: Recorded, rates: Rates) -> Fraction:
         content = {"whole": port.message.bytes, "crc": CRC_BYTES, "stamp": 0}[port.kind]
         burst = 1 if node is None else node.outputs[port.name].port.burst
         total += burst * (TAKE_BYTES + content)
-    return total + (TAKE_BYTES + CRC_BYTES if task.params else 0)  # one node's at a time
+    return total + (TAKE_BYTES + CRC_BYTES if task.params else 0)  # of one node at a time
 
 
 def _power_of_two(size: Fraction) -> int:

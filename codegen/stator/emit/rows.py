@@ -51,7 +51,7 @@ class PortsRow:
     headers: list[str]
     lines: list[str]
     inputs: list[str]
-    params: str  # their message; empty: none
+    params: str  # the message of the parameters; empty: none
     outputs: list[str]
 
 
@@ -105,7 +105,7 @@ def defaults(plan: Plan, message: Message) -> dict[str, str]:
 
 
 def _cpp_type(field: Field) -> str:
-    # One number, where its size is one: a compiler clears the whole message for an empty array.
+    # An array of one is written as one number: compilers clear the whole message for an empty list.
     if field.name.startswith("_padding") and field.bytes in (1, 2, 4):
         return f"uint{8 * field.bytes}_t"
     single = upper_camel(field.name) if field.values else TYPES[field.type][0]
@@ -171,7 +171,7 @@ def pend(plan: Plan, task: Task) -> str:
 
 
 def pends(plan: Plan, woken: list[Task], thinned: list[Task]) -> list[str]:
-    """One entry for each word that subscribers' bits lie in, with the bits that are always set. The
+    """One entry for each pending word of the subscribers, with the bits that are always set. The
     word of the most urgent task comes first."""
     words: dict[int, int] = {}
     for task in sorted((*woken, *thinned), key=lambda task: task.index):
@@ -181,8 +181,8 @@ def pends(plan: Plan, woken: list[Task], thinned: list[Task]) -> list[str]:
 
 
 def _place(plan: Plan, task: Task) -> tuple[int, int]:
-    """Word and bit: among the vectors where these are tasks; in its level where that is a thread;
-    else in one list, in order of urgency."""
+    """Word and bit of a task. Bare metal: its vector. Threads: its place in its level. Else: its
+    place in the order of urgency."""
     if plan.board.executor == "pthread":
         return plan.levels.index(task.level), task.index - task.level_begin
     if plan.board.executor == "cortex_m" and task.vector is not None:
@@ -233,7 +233,7 @@ def topic(plan: Plan, planned: TopicPlan) -> TopicRow:
         slots=planned.slots,
         ceiling=planned.ceiling,
         ring=2 * planned.depth if planned.depth > 1 else 0,
-        # Threads pend thinned tasks by themselves.
+        # With threads, thinned tasks are pended elsewhere.
         subscribers=pends(plan, woken, [] if plan.board.executor == "pthread" else thinned),
         thinned=[ThinnedRow(t.node.name, intervals[t.node.name], pend(plan, t)) for t in thinned],
     )
@@ -419,7 +419,7 @@ class BuildRow:
 def program(plan: Plan) -> ProgramRow:
     begins = []
     for level in range(16):
-        # A level without tasks begins where the next lower one does.
+        # A level without tasks begins at the same index as the next lower one.
         begins.append(sum(1 for task in plan.tasks if task.level > level))
     return ProgramRow(
         words=max(1, -(-len(plan.tasks) // WORD_BITS)),

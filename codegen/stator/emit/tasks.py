@@ -1,4 +1,4 @@
-"""Rows of the tasks: what the wrapper around each node does, and what it keeps.
+"""Rows of the tasks: the actions and the state of the wrapper around each node.
 
 The wrapper does only what the plan says can matter: where no publisher outranks a reader its pin
 needs no mark, where each pend means a sample nothing is asked, and where time has one source
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stator.graph.model import Node, Trigger
     from stator.plan.plan import Plan, Task
 
-# On these executors a job runs to its end before any of its level or below goes on.
+# On these executors a job runs to its end before another of its level or below continues.
 NESTING = ("cortex_m", "virtual")
 
 
@@ -134,7 +134,7 @@ class TaskRow:
         return heads
 
     @property
-    def anew(self) -> list[str]:
+    def restart(self) -> list[str]:
         """Statements of the task when it begins after a switch."""
         begun = [i.name for i in (*self.triggers, *self.queues)]
         lines = [f"state.{name}_number = state.{name}_start.load();" for name in begun]

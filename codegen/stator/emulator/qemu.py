@@ -17,15 +17,15 @@ from stator.diagnostics import UserError
 FIFOS = ("to_plant", "from_plant")
 LOG = "flight.ulg"
 
-# QEMU 7 models the same chip under another name only, without its priority bits and its memory.
+# QEMU 7 has the same chip only under another name, without its priority bits and its memory.
 MACHINE = "olimex-stm32-h405"
-# 8 ns an instruction, whatever it is: no claim about the chip's timing. docs/emulation.md
+# 8 ns for every instruction; this is not the timing of the chip: docs/emulation.md
 SHIFT = 3
-END_S = 10.0  # how long the one side may take to see that the other one has ended
+END_S = 10.0  # the time in which one side must notice that the other has ended
 
 
 class NoEmulator(UserError):
-    """No QEMU here that emulates the chip well enough; the message says what to do."""
+    """There is no QEMU that can emulate the chip; the message says what to do."""
 
 
 @dataclass(frozen=True)
@@ -35,25 +35,27 @@ class Emulator:
 
 
 def find_emulator() -> Emulator:
-    """The QEMU in PATH, or the one that STATOR_QEMU names, if it knows the machine. That its chip
-    has the right priority bits is what the firmware itself checks when it starts."""
+    """The QEMU in PATH, or the one in STATOR_QEMU, if it has the machine. The firmware itself
+    checks the priority bits of the chip at its start."""
     path = os.environ.get("STATOR_QEMU") or shutil.which("qemu-system-arm")
     if path is None:
-        raise NoEmulator("error: qemu-system-arm is not installed\n" + _hint())
+        raise NoEmulator("error: missing program 'qemu-system-arm'\n" + _hint())
     try:
         version = _output(path, "--version").splitlines()[0]
         machines = _output(path, "-machine", "help")
     except (OSError, subprocess.CalledProcessError, IndexError) as error:
-        raise NoEmulator(f"error: '{path}' does not run: {error}\n" + _hint()) from None
+        raise NoEmulator(f"error: cannot run '{path}': {error}\n" + _hint()) from None
     if not any(line.split()[:1] == [MACHINE] for line in machines.splitlines()):
-        raise NoEmulator(f"error: {version} has no machine {MACHINE}: it is too old\n" + _hint())
+        raise NoEmulator(
+            f"error: expected QEMU with the machine {MACHINE}, found {version}\n" + _hint()
+        )
     return Emulator(path, version)
 
 
 def _hint() -> str:
     return (
-        "hint: QEMU 10 or newer is needed; on Debian 12: apt-get install -t bookworm-backports "
-        "qemu-system-arm\nhint: one that is elsewhere: STATOR_QEMU=/path/to/qemu-system-arm"
+        "hint: install QEMU 10 or newer; on Debian 12: apt-get install -t bookworm-backports "
+        "qemu-system-arm\nhint: or give its path: STATOR_QEMU=/path/to/qemu-system-arm"
     )
 
 
@@ -62,12 +64,16 @@ def _output(*command: str) -> str:
 
 
 def qemu_command(
-    emulator: Emulator, image: Path, shift: int = SHIFT, told: str = "", link: Path | None = None
+    emulator: Emulator,
+    image: Path,
+    shift: int = SHIFT,
+    argument: str = "",
+    link: Path | None = None,
 ) -> list[str]:
-    """`shift`: an instruction takes 2^shift nanoseconds. `told`: words for the firmware. `link`: a
+    """`shift`: an instruction takes 2^shift nanoseconds. `argument`: for the firmware. `link`: a
     socket that is its serial port."""
     serial = "none" if link is None else f"unix:{link},server=on,wait=off"
-    argument = f",arg={told}" if told else ""
+    option = f",arg={argument}" if argument else ""
     return [
         *(
             emulator.path,
@@ -79,7 +85,7 @@ def qemu_command(
             f"shift={shift},align=off,sleep=off",
         ),
         *("-display", "none", "-monitor", "none", "-serial", serial, "-nic", "none"),
-        *("-semihosting-config", f"enable=on,target=native{argument}"),
+        *("-semihosting-config", f"enable=on,target=native{option}"),
     ]
 
 
@@ -89,11 +95,11 @@ def fly(
     plant: list[str],
     log: Path,
     shift: int = SHIFT,
-    told: str = "",
+    argument: str = "",
     link: Path | None = None,
 ) -> subprocess.CompletedProcess[str]:
-    """Runs both sides to their end. The result is the plant's, with the complaints of both; of a
-    flight that went well, what the firmware printed."""
+    """Runs both sides to their end. Returns the plant's output, and as errors: after a failure the
+    messages of both, else the text that the firmware printed."""
     (HOME / "build").mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="emulate-", dir=HOME / "build") as name:
         folder = Path(name)
@@ -102,7 +108,7 @@ def fly(
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         world = subprocess.Popen(plant, cwd=folder, **pipes)  # type: ignore[call-overload]
         machine = subprocess.Popen(
-            qemu_command(emulator, image.resolve(), shift, told, link),
+            qemu_command(emulator, image.resolve(), shift, argument, link),
             cwd=folder,
             **pipes,  # type: ignore[call-overload]
         )
@@ -120,14 +126,16 @@ def fly(
             log.parent.mkdir(parents=True, exist_ok=True)
             shutil.move(folder / LOG, log)
     status = 0 if world.returncode == 0 and machine.returncode == 0 else 2
-    text = f"{complaint}{console}{errors}error: the emulated flight ended early: plant "
+    text = (
+        f"{complaint}{console}{errors}error: the emulated flight ended early: exit status of plant "
+    )
     text += f"{world.returncode}, emulator {machine.returncode}"
     return subprocess.CompletedProcess(plant, status, facts, text if status else console + errors)
 
 
 def _wait(world: subprocess.Popen[str], machine: subprocess.Popen[str]) -> None:
-    """Until both have ended. One that ends before the other has opened its FIFOs would leave it
-    waiting for ever."""
+    """Waits until both have ended. If one ends before the other has opened its FIFOs, the other
+    would never end: kill it."""
     first, second = world, machine
     while True:
         with contextlib.suppress(subprocess.TimeoutExpired):

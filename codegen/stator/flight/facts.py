@@ -1,4 +1,4 @@
-"""What a flight was: the facts that `--json` prints and that are kept beside the log."""
+"""The facts of a flight, which `--json` prints and which are stored beside the log."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from stator.mission.model import Mission
 
 
-RESTART = "a restart that somebody who may asked for"
+RESTART = "an authorised restart request"
 
 
 def keep(facts: dict[str, object]) -> None:
-    """The report, beside the log: `./stator plot` draws with it."""
+    """Writes the facts beside the log, for `./stator plot`."""
     log = Path(str(facts["log"]))
     report = json.dumps(facts, indent=2) + "\n"
     log.with_name(f"{log.name.removesuffix('.ulg')}.json").write_text(report, encoding="utf-8")
@@ -44,7 +44,7 @@ def facts_of(
     in_wind: bool = False,
     is_recorded: bool = False,
 ) -> dict[str, object]:
-    """What `--json` prints. A fact that there is none of is None."""
+    """The facts that `--json` prints. None: there is no such fact."""
     facts: dict[str, object] = {
         "success": False,
         "reason": "",
@@ -73,7 +73,7 @@ def facts_of(
     }
     if finished.returncode < 0:
         name = signal.Signals(-finished.returncode).name
-        facts["reason"] = f"the flight program died of {name}: {finished.stderr.strip()}"
+        facts["reason"] = f"the flight program ended with {name}: {finished.stderr.strip()}"
         return facts
     run = json.loads(finished.stdout)
     facts["speed_vs_real_time"] = run["simulated_s"] / run["wall_s"]
@@ -87,7 +87,7 @@ def facts_of(
         return facts | {"success": True, "reason": reason}
     facts |= _judged(log, truth, run, mission, in_wind=in_wind)
     if not facts["success"] and run.get("ended") == "time_limit":
-        cut = f"ended by --duration {most_s:g} s before the flight was over"
+        cut = f"--duration {most_s:g} s ended the flight early"
         facts["reason"] = f"{cut}; {facts['reason']}"
     if restarts:
         facts["reason"] = f"ended by {RESTART} at {run['simulated_s']:.2f} s; {facts['reason']}"
@@ -109,7 +109,7 @@ def _judged(
     from stator.flight.mission import judge_mission
 
     if log.stat().st_size == 0:
-        return {"reason": "the log is empty, so the flight cannot be judged"}
+        return {"reason": "cannot judge the flight: the log is empty"}
     try:
         ulog = ULog(str(log))
         flight = read_flight(ulog, read_truth(truth), run)

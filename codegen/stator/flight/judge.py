@@ -1,4 +1,4 @@
-"""Judges a simulated flight: what its log says against what truly happened."""
+"""Judges a simulated flight: compares its log with the truth."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from stator.flight.log import DISARMED, HOLD, NAV_STATES, in_flight, newest
 if TYPE_CHECKING:
     from stator.flight.log import Flight, Floats, Truth
 
-MOST_LANDED_TILT_DEG = 20.0
+MAX_LANDED_TILT_DEG = 20.0
 
 
 @dataclass(frozen=True)
 class Limits:
-    """A flight outside them has failed. None: not held to it."""
+    """A flight outside these limits has failed. None: no limit."""
 
     hover_m: float | None
     hover_horizontal_rms_m: float | None
@@ -38,8 +38,9 @@ CALM = Limits(
     tilt_error_deg=0.5,
     touchdown_m_s=0.7,
 )
-# A gust moves the vehicle before anything can answer, so the mean counts. The accelerations that it
-# causes last as long as the specific force is averaged to find gravity, and tilt the estimate.
+# A gust moves the vehicle before the controller can react, so the mean counts. The acceleration of
+# a gust lasts as long as the average of the specific force that gives gravity, so it tilts the
+# estimate.
 IN_WIND = Limits(
     hover_m=None,
     hover_horizontal_rms_m=1.0,
@@ -70,7 +71,7 @@ class Tilt:
 
 @dataclass(frozen=True)
 class Problem:
-    """A limit that was broken; when and where, if it happened at one instant."""
+    """A broken limit; with time and place, if it happened at one instant."""
 
     text: str
     time_s: float | None = None
@@ -92,10 +93,10 @@ class Judgement:
 
 def judge(flight: Flight, limits: Limits = CALM) -> Judgement:
     if not np.isfinite(flight.truth.position).all():
-        left = Problem("the simulated vehicle left the range of numbers")
+        left = Problem("the state of the simulated vehicle is not finite")
         return Judgement(None, None, [left])
     if flight.take_off_s is None:
-        return Judgement(None, None, [at_end(flight, f"never took off: {ending(flight)}")])
+        return Judgement(None, None, [at_end(flight, f"no take-off: {ending(flight)}")])
     hover = _hover(flight)
     tilt = _tilt(flight)
     problems = [
@@ -134,7 +135,7 @@ def _hover(flight: Flight) -> Hover | None:
 
 def _hover_problems(hover: Hover | None, limits: Limits) -> list[Problem]:
     if hover is None:
-        return [Problem("never hovered: in flight, vehicle_status never said hold")]
+        return [Problem("no hover: vehicle_status had no hold mode in flight")]
     worst = (
         f"{hover.max_error_m:.3f} m from the setpoint at {hover.worst_s:.2f} s, "
         f"{place(hover.worst_position)}"
@@ -170,18 +171,18 @@ def _tilt(flight: Flight) -> Tilt | None:
 
 def _tilt_problems(tilt: Tilt | None, most_deg: float) -> list[Problem]:
     if tilt is None:
-        return [Problem("no estimate of attitude was logged in flight")]
+        return [Problem("no attitude estimate was logged in flight")]
     if tilt.rms_deg <= most_deg:
         return []
     text = (
-        f"estimated tilt: {tilt.rms_deg:.2f} deg RMS from the truth, most at {tilt.worst_s:.2f} s "
-        f"with {tilt.max_deg:.2f} deg (limit {most_deg:g} deg RMS)"
+        f"estimated tilt: RMS error {tilt.rms_deg:.2f} deg (limit {most_deg:g} deg), greatest "
+        f"error {tilt.max_deg:.2f} deg at {tilt.worst_s:.2f} s"
     )
     return [Problem(text, tilt.worst_s)]
 
 
 def _q_at(truth: Truth, time_s: Floats) -> Floats:
-    """True attitude between rows of 10 ms: the chord, brought back to unit length."""
+    """True attitude between rows of 10 ms: linear interpolation, normalised."""
     q = truth.q.copy()
     turned = np.sum(q[1:] * q[:-1], axis=1) < 0.0
     q[1:][np.cumsum(turned) % 2 == 1] *= -1.0
@@ -212,25 +213,25 @@ def landing_problems(flight: Flight, most_m_s: float) -> list[Problem]:
     if not flight.truth.on_ground[-1]:
         problems.append(at_end(flight, f"the motors stopped in the air: {ending(flight)}"))
     tilt_deg = math.degrees(math.acos(np.clip(_down_in_body(flight.truth.q[-1:])[0, 2], -1, 1)))
-    if tilt_deg > MOST_LANDED_TILT_DEG:
-        text = f"landed on its side: tilted {tilt_deg:.0f} deg (limit {MOST_LANDED_TILT_DEG:g} deg)"
+    if tilt_deg > MAX_LANDED_TILT_DEG:
+        text = f"landed on its side: tilted {tilt_deg:.0f} deg (limit {MAX_LANDED_TILT_DEG:g} deg)"
         problems.append(at_end(flight, text))
     if flight.arming_state.size == 0 or flight.arming_state[-1] != DISARMED:
-        problems.append(Problem("vehicle_status did not say disarmed at the end"))
+        problems.append(Problem("vehicle_status was not disarmed at the end"))
     return problems
 
 
 def at_end(flight: Flight, text: str, time_s: float | None = None) -> Problem:
-    """A problem of the end of the flight, where the vehicle came to rest."""
+    """A problem at the end of the flight, with the place where the vehicle came to rest."""
     at_s = float(flight.truth.time_s[-1]) if time_s is None else time_s
     return Problem(text, at_s, flight.truth.position[-1])
 
 
 def ending(flight: Flight) -> str:
-    """Where the flight was when it ended."""
+    """The mode and the place at the end of the flight."""
     state = int(flight.nav_state[-1]) if flight.nav_state.size else -1
     return (
-        f"at {flight.truth.time_s[-1]:.2f} s it was in {NAV_STATES.get(state, 'no known mode')}, "
+        f"at {flight.truth.time_s[-1]:.2f} s in mode {NAV_STATES.get(state, 'unknown')}, "
         f"{place(flight.truth.position[-1])}"
     )
 

@@ -1,4 +1,4 @@
-"""What a flight left behind: its log, and what truly happened. Judges and pictures read it."""
+"""Reads the log of a flight and its truth, for judges and pictures."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ FAILSAFE_EVENTS = {
 
 
 class UnreadableFlight(Exception):
-    """The log or the truth lacks what a judgement needs."""
+    """The log or the truth lacks data that a judgement needs."""
 
 
 @dataclass(frozen=True)
@@ -44,13 +44,13 @@ class Truth:
 
 @dataclass(frozen=True)
 class Flight:
-    """What a judgement reads. Times in seconds; positions and setpoints in N."""
+    """The data of a judgement. Times in seconds; positions and setpoints in N."""
 
     truth: Truth
     attitude_time_s: Floats
     attitude_q: Floats
     setpoint_time_s: Floats
-    setpoint: Floats  # not a number: free
+    setpoint: Floats  # NaN: free
     status_time_s: Floats
     nav_state: NDArray[np.int64]
     arming_state: NDArray[np.int64]
@@ -71,21 +71,21 @@ def read_truth(path: Path) -> Truth:
             on_ground=columns["on_ground"] != 0.0,
         )
     except KeyError as missing:
-        raise UnreadableFlight(f"the true flight '{path}' has no column {missing}") from None
+        raise UnreadableFlight(f"missing column {missing} in the true flight '{path}'") from None
 
 
 def read_truth_columns(path: Path) -> dict[str, Floats]:
-    """All that truly happened, by name: boards/world/world/truth.hpp."""
+    """All columns of the true flight, by name: boards/world/world/truth.hpp."""
     head, _, rows = path.read_bytes().partition(b"\n")
     names = head.decode("ascii", errors="replace").split()
     if not names or not rows or len(rows) % (8 * len(names)) != 0:
-        raise UnreadableFlight(f"'{path}' is no record of a true flight")
+        raise UnreadableFlight(f"expected a true flight, found another file '{path}'")
     table = np.frombuffer(rows, dtype="<f8").reshape(-1, len(names))
     return dict(zip(names, table.T, strict=True))
 
 
 def read_flight(log: ULog, truth: Truth, run: dict[str, object]) -> Flight:
-    """`run` is what the program that flew has printed."""
+    """`run`: the facts that the flight program printed."""
     attitude = topic(log, "vehicle_attitude")
     setpoint = topic(log, "trajectory_setpoint")
     status = topic(log, "vehicle_status")
@@ -113,7 +113,7 @@ def topic(log: ULog, name: str) -> dict[str, NDArray[np.generic]]:
         if dataset.name == name and dataset.multi_id == 0:
             data: dict[str, NDArray[np.generic]] = dataset.data
             return data
-    raise UnreadableFlight(f"the log has no topic {name}, so the flight cannot be judged")
+    raise UnreadableFlight(f"cannot judge the flight: missing topic {name} in the log")
 
 
 def seconds(time_us: NDArray[np.generic]) -> Floats:
@@ -121,7 +121,7 @@ def seconds(time_us: NDArray[np.generic]) -> Floats:
 
 
 def indexed(name: str, count: int) -> list[str]:
-    """What pyulog calls the elements of an array."""
+    """The names of the elements of an array in pyulog."""
     return [f"{name}[{i}]" for i in range(count)]
 
 
@@ -135,7 +135,7 @@ def _number(run: dict[str, object], key: str) -> float | None:
 
 
 def newest(times: Floats, values: Floats, at: Floats) -> Floats:
-    """The newest of `values` at each time `at`; not a number before the first."""
+    """The newest of `values` at each time `at`; NaN before the first."""
     index = np.searchsorted(times, at, side="right") - 1
     found = np.full((at.size, *values.shape[1:]), np.nan)
     found[index >= 0] = values[index[index >= 0]]

@@ -1,6 +1,6 @@
-"""Judges a simulated mission: what the log and the truth say against the mission and its limits.
+"""Judges a simulated mission: compares log and truth with the mission and its limits.
 
-Positions count from home, which is where the vehicle was armed: for the truth, where it truly was.
+Positions count from home, the place where the vehicle was armed; for the truth, the true place.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 
 ARMED, IN_MISSION = 2, 3  # graph/messages/VehicleStatus.yaml
 USUAL_LIMITS = {"touchdown_speed": 1.0}
-# How long the setpoint must have rested before a vehicle counts as staying.
+# A vehicle counts as staying after its setpoint has not moved for this time.
 SETTLED_S = 3.0
 CHECKS = {
-    "sensors_ok": "a sensor is silent",
-    "estimator_ok": "the position is not known",
+    "sensors_ok": "a sensor sends nothing",
+    "estimator_ok": "the position is unknown",
     "battery_ok": "the battery is low",
-    "rc_ok": "the pilot is not heard",
+    "rc_ok": "no signal from the pilot",
     "logging_ok": "no log is written",
     "mission_ok": "the mission cannot be flown",
 }
@@ -40,25 +40,25 @@ CHECKS = {
 
 @dataclass
 class MissionFlight:
-    """What was measured, under the names that --json has. None: there was nothing to measure."""
+    """The measurements, under their names in --json. None: not measured."""
 
     facts: dict[str, object] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
 
     def limit(self, key: str, value: float | None, most: float | None, what: str) -> None:
-        """Of a figure of the whole flight."""
+        """Checks one figure of the whole flight."""
         self.facts[key] = value
         if most is None:
             return
         if value is None:
-            self.problems.append(Problem(f"{what} could not be measured"))
+            self.problems.append(Problem(f"cannot measure: {what}"))
         elif value > most:
             self.problems.append(Problem(f"{what} {value:.2f} m (limit {most:g} m)"))
 
     def limit_each(
         self, key: str, values: Floats, most: float | None, what: str, flight: Flight, rows: Rows
     ) -> None:
-        """Of a distance at each of these rows of the truth."""
+        """Checks a distance at each of these rows of the truth."""
         worst = int(np.argmax(values)) if values.size else 0
         value = float(values[worst]) if values.size else None
         if value is None or most is None or value <= most:
@@ -83,14 +83,14 @@ def judge_mission(log: ULog, flight: Flight, mission: Mission) -> MissionFlight:
     result.facts["items"] = _items(progress, mission)
     armed = np.flatnonzero(flight.arming_state == ARMED)
     if armed.size == 0:
-        result.problems.append(Problem(f"never armed: {_why_not(log)}"))
+        result.problems.append(Problem(f"not armed: {_why_not(log)}"))
         return result
     if flight.take_off_s is None:
-        result.problems.append(at_end(flight, f"never took off: {ending(flight)}"))
+        result.problems.append(at_end(flight, f"no take-off: {ending(flight)}"))
         return result
     home = _at(flight.truth.time_s, flight.truth.position, flight.status_time_s[armed[0]])
     if reached < total:
-        text = f"reached {reached} of {total} items of the mission: {ending(flight)}"
+        text = f"reached {reached} of {total} mission items: {ending(flight)}"
         result.problems.append(at_end(flight, text))
     result.problems += _failsafes(result.facts["modes"])
     result.problems += landing_problems(flight, limits["touchdown_speed"])
@@ -111,11 +111,11 @@ def _measure(
     flown = in_flight(flight, flight.truth.time_s)
     away = _distance_from_way(truth[flown, :2], _way(mission))
     most = limits.get("corridor")
-    result.limit_each("corridor_m", away, most, "off the straight way", flight, flown)
+    result.limit_each("corridor_m", away, most, "distance from the straight path", flight, flown)
     landing = np.linalg.norm(truth[-1:, :2], axis=1)
     last = np.arange(len(truth)) == len(truth) - 1
     most = limits.get("landing_error")
-    result.limit_each("landing_error_m", landing, most, "landed off home by", flight, last)
+    result.limit_each("landing_error_m", landing, most, "landing error", flight, last)
     result.facts |= _errors(log, flight, setpoint + home)
 
     staying = _at_rest(flight, setpoint) & flown
@@ -123,18 +123,18 @@ def _measure(
     horizontal = rms(np.linalg.norm(error[:, :2], axis=1)) if error.size else None
     vertical = rms(error[:, 2]) if error.size else None
     most = limits.get("hold_horizontal_rms")
-    result.limit("hold_horizontal_rms_m", horizontal, most, "while staying, horizontal RMS")
+    result.limit("hold_horizontal_rms_m", horizontal, most, "horizontal RMS error while staying")
     most = limits.get("hold_vertical_rms")
-    result.limit("hold_vertical_rms_m", vertical, most, "while staying, vertical RMS")
+    result.limit("hold_vertical_rms_m", vertical, most, "vertical RMS error while staying")
     tracking = _tracking(log, flight, mission)
-    result.limit("tracking_rms_m", tracking, limits.get("tracking_rms"), "tracking RMS")
+    result.limit("tracking_rms_m", tracking, limits.get("tracking_rms"), "tracking RMS error")
 
 
 # --- parts ---
 
 
 def _modes(status: dict[str, NDArray[np.generic]]) -> list[dict[str, object]]:
-    """Each change of arming or mode: when, which, and after which failsafe event."""
+    """Each change of arming or mode: its time, the mode, and the failsafe event."""
     rows = np.column_stack(
         [status[key].astype(np.int64) for key in ("arming_state", "nav_state", "failsafe_event")]
     )
@@ -143,7 +143,7 @@ def _modes(status: dict[str, NDArray[np.generic]]) -> list[dict[str, object]]:
         {
             "time_s": float(status["timestamp"][i]) * 1e-6,
             "armed": bool(rows[i, 0] == ARMED),
-            "mode": NAV_STATES.get(int(rows[i, 1]), "no known mode"),
+            "mode": NAV_STATES.get(int(rows[i, 1]), "unknown"),
             "failsafe": FAILSAFE_EVENTS.get(int(rows[i, 2]), ""),
         }
         for i in (0, *changed)
@@ -160,7 +160,7 @@ def _failsafes(modes: object) -> list[Problem]:
 
 
 def _items(progress: dict[str, NDArray[np.generic]], mission: Mission) -> list[dict[str, object]]:
-    """Each item that can be reached, and when it was, if it was."""
+    """Each item that can be reached, and when the vehicle reached it."""
     reached = progress["seq_reached"].astype(np.int64)
     time_s = flight_log.seconds(progress["timestamp"])
     rows: list[dict[str, object]] = []
@@ -174,8 +174,8 @@ def _items(progress: dict[str, NDArray[np.generic]], mission: Mission) -> list[d
 
 
 def _errors(log: ULog, flight: Flight, setpoint: Floats) -> dict[str, object]:
-    """Distances in the air, RMS and worst: of the truth and of the estimate from the setpoint, and
-    of the estimate from the truth."""
+    """Distances in the air, RMS and maximum: truth to setpoint, estimate to setpoint, estimate to
+    truth."""
     local = flight_log.topic(log, "vehicle_local_position")
     estimate = newest(
         flight_log.seconds(local["timestamp"]),
@@ -199,7 +199,10 @@ def _errors(log: ULog, flight: Flight, setpoint: Floats) -> dict[str, object]:
 
 def _why_not(log: ULog) -> str:
     health = flight_log.topic(log, "health_report")
-    return "; ".join(text for key, text in CHECKS.items() if not health[key][-1]) or "not asked to"
+    return (
+        "; ".join(text for key, text in CHECKS.items() if not health[key][-1])
+        or "no request to arm"
+    )
 
 
 def _at(times: Floats, values: Floats, at: float) -> Floats:
@@ -227,14 +230,14 @@ def _at_rest(flight: Flight, setpoint: Floats) -> NDArray[np.bool_]:
 
 
 def _way(mission: Mission) -> Floats:
-    """The corners of the straight way, beginning and ending at home."""
+    """The corners of the straight path, from home to home."""
     places = [(i.north, i.east) for i in mission.items if i.kind == WAYPOINT]
     land = [(i.north, i.east) for i in mission.items if i.kind == LAND]
     return np.array([(0.0, 0.0), *places, *(land or [(0.0, 0.0)])])
 
 
 def _distance_from_way(points: Floats, way: Floats) -> Floats:
-    """Of each point the distance to the nearest piece."""
+    """The distance of each point to the nearest piece of the path."""
     nearest = np.full(len(points), np.inf)
     for start, end in pairwise(way):
         along = end - start
@@ -248,8 +251,8 @@ def _distance_from_way(points: Floats, way: Floats) -> Floats:
 
 
 def _tracking(log: ULog, flight: Flight, mission: Mission) -> float | None:
-    """RMS of estimate against setpoint, horizontally, while the mission moves: in its eights alone,
-    if it has any."""
+    """Horizontal RMS distance of estimate and setpoint while the mission moves; if it has figures
+    of eight, in these only."""
     progress = flight_log.topic(log, "mission_result")
     position = flight_log.topic(log, "vehicle_local_position")
     time = flight_log.seconds(position["timestamp"])

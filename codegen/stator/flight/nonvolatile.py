@@ -1,4 +1,4 @@
-"""The file of `./stator run` in which records outlive a run: where it is, what became of it."""
+"""The file of `./stator run` that keeps records after a run: its path and its state."""
 
 from __future__ import annotations
 
@@ -22,38 +22,37 @@ def nonvolatile_of(arguments: argparse.Namespace, log: Path) -> Path | None:
         return Path(arguments.nonvolatile or beside)
     if arguments.nonvolatile is not None:
         raise UserError(
-            f"error: {arguments.graph.stem} has no device {DEVICE}\nhint: leave out --nonvolatile"
+            f"error: unknown device {DEVICE} of {arguments.graph.stem}\nhint: remove --nonvolatile"
         )
     return None
 
 
-def told_of(file: Path | None, told: dict[str, Any] | None) -> dict[str, Any] | None:
-    """What `--json` says of it; none of a graph without the device, or of a program that died."""
-    if file is None or told is None:
+def nonvolatile_facts(file: Path | None, state: dict[str, Any] | None) -> dict[str, Any] | None:
+    """The facts for `--json`; None for a graph without the device, or a program that crashed."""
+    if file is None or state is None:
         return None
-    return {"file": str(file.resolve())} | told
+    return {"file": str(file.resolve())} | state
 
 
 def nonvolatile_rows(facts: dict[str, Any]) -> list[tuple[str, str]]:
-    """For people: what is kept, and what is not as it should be."""
+    """The rows of a report: what is kept, and what is damaged or lost."""
     memory = facts.get("nonvolatile")
     if memory is None:
         return []
     file = shown_path(Path(memory["file"]))
     if memory["state"] != "loaded":
-        return [("records", f"{memory['state']}: nothing is kept in {file}")]
+        return [("records", f"{memory['state']}: no record is kept in {file}")]
     texts = [f"{memory['records']} of at most {memory['most_records']}, in {file}"]
     if memory["mended"]:
-        texts.append(f"mended, as one copy of two was bad: {memory['mended']}; none is gone")
+        texts.append(f"repaired (one of two copies was damaged): {memory['mended']}; none is lost")
     if memory["damaged"]:
         texts.append(
-            f"damaged; gone: {memory['damaged']}; what they said is as the graph says, or asked "
-            "for anew"
+            f"damaged and lost: {memory['damaged']}; the graph's defaults replace them, or they "
+            "are requested again"
         )
     not_kept = memory["refused"] + memory["lost"]
     if not_kept:
         texts.append(
-            f"not kept: {not_kept}; there was no room, the file cannot be written, or they came "
-            "too fast"
+            f"not kept: {not_kept}; the file is full or cannot be written, or they came too fast"
         )
     return [("records", text) for text in texts]

@@ -1,5 +1,5 @@
-"""What a picture of a flight shows: from its log, and where there are any, the record of the true
-flight and the report beside it."""
+"""The data of a picture of a flight: from its log, and if they exist, from the true flight and the
+report beside it."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ ROTORS = 4
 
 @dataclass(frozen=True)
 class Series:
-    """One quantity over time; a column each."""
+    """One quantity over time; one column for each component."""
 
     time_s: Floats
     values: Floats
@@ -42,7 +42,7 @@ class Series:
 
 @dataclass(frozen=True)
 class Flown:
-    """What the picture shows; None or empty for what the log does not have. Frame N, m, rad."""
+    """The data of the picture; None or empty if the log lacks it. Frame N, m, rad."""
 
     title: str
     truth: Truth | None
@@ -51,7 +51,7 @@ class Flown:
     attitude: Series | None  # q_NB
     motors: Series | None
     modes: list[tuple[float, float, str]]  # from, to, name
-    facts: dict[str, Any]  # what the flight's report said
+    facts: dict[str, Any]  # of the flight's report
 
 
 def read(file: Path) -> Flown:
@@ -62,10 +62,10 @@ def read(file: Path) -> Flown:
     except OSError as error:
         raise UserError(
             f"error: cannot read '{file}': {error.strerror}\n"
-            "hint: ./stator fly writes a log, and says where"
+            "hint: ./stator fly writes a log, and prints its path"
         ) from None
-    except Exception as error:  # whatever a broken file makes of the reader
-        raise UserError(f"error: '{file}' is no ULog file that can be read: {error}") from None
+    except Exception as error:  # a damaged file can raise any exception in the reader
+        raise UserError(f"error: cannot read '{file}' as ULog: {error}") from None
     flown = Flown(
         title=str(log.msg_info_dict.get("graph", file.stem)),
         truth=_truth(file),
@@ -78,8 +78,8 @@ def read(file: Path) -> Flown:
     )
     if flown.position is None and flown.truth is None:
         raise UserError(
-            f"error: '{file}' has no topic vehicle_local_position, so there is no path to draw\n"
-            "hint: does the graph log it? ./stator explain GRAPH vehicle_local_position"
+            f"error: missing topic vehicle_local_position in '{file}': there is no path to draw\n"
+            "hint: check that the graph logs it: ./stator explain GRAPH vehicle_local_position"
         )
     return flown
 
@@ -89,11 +89,13 @@ def _truth(file: Path) -> Truth | None:
     try:
         return read_truth(truth) if truth.is_file() else None
     except UnreadableFlight as unreadable:
-        raise UserError(f"error: {unreadable}\nhint: remove it to draw the log alone") from None
+        raise UserError(
+            f"error: {unreadable}\nhint: remove that file to draw the log alone"
+        ) from None
 
 
 def _facts(file: Path) -> dict[str, Any]:
-    """The report that `fly` keeps beside the log."""
+    """The report that `fly` writes beside the log."""
     report = file.with_suffix(".json")
     if not report.is_file():
         return {}

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from stator.flight.log import Floats
 
 FORMATS = (".png", ".svg", ".pdf")
-LEAST_MAP_M = 2.0
+MIN_MAP_M = 2.0
 HALF_TURN_DEG = 180.0
-# Colour-blind safe (Okabe and Ito), one a meaning throughout.
-# The truth is the wide line underneath, so that what was believed shows where it differs.
+# Colour-blind safe (Okabe and Ito); each colour has one meaning in all panels.
+# The truth is a wide line below the estimate, so that differences are visible.
 TRUTH, ESTIMATE, SETPOINT, FAILED = "#b0b0b0", "#0072b2", "#e69f00", "#d55e00"
 TRUTH_WIDTH = 2.6
 LINES = ("#0072b2", "#e69f00", "#009e73", "#cc79a7")
@@ -29,10 +29,11 @@ BANDS = ("#f0f0f0", "#dcebf5", "#e5f3e6", "#fdf1d8", "#f3e3ee", "#e8e8f8")
 
 
 def draw(log: Path, output: Path) -> None:
-    """Raises `UserError` for a log or a name that will not do."""
+    """Raises `UserError` for an unreadable log or an unknown file format."""
     if output.suffix not in FORMATS:
         raise UserError(
-            f"error: '{output.name}' is no kind of picture\nhint: {', '.join(FORMATS)} are"
+            f"error: expected a file name that ends in {', '.join(FORMATS)}, found "
+            f"'{output.name}'\nhint: write for example flight.png"
         )
     figure = _figure(read(log))
     try:
@@ -107,16 +108,16 @@ def _draw_map(axes: Axes, flown: Flown) -> None:
 
 
 def _square(axes: Axes) -> None:
-    """Metres alike both ways; a hover of centimetres is drawn as one, not blown up to the page."""
+    """The same scale on both axes, and a minimum size: a hover of centimetres stays small."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    side = max(right - left, high - low, LEAST_MAP_M)
+    side = max(right - left, high - low, MIN_MAP_M)
     axes.set_xlim((left + right - side) / 2, (left + right + side) / 2)
     axes.set_ylim((low + high - side) / 2, (low + high + side) / 2)
     axes.set_aspect("equal")
 
 
 def _wind(axes: Axes, flown: Flown) -> None:
-    """Above the map, an arrow the way the mean wind blows, with its speed."""
+    """Above the map, an arrow in the direction of the mean wind, with its speed."""
     wind = float(flown.facts.get("wind_m_s") or 0.0)
     if wind == 0.0:
         return
@@ -157,8 +158,8 @@ def _attitude(axes: Axes, flown: Flown) -> None:
 
 
 def _error(axes: Axes, flown: Flown) -> None:
-    """Distance from the setpoint in the air, of what was and of what was believed."""
-    axes.set_ylabel("off setpoint (m)")
+    """Distance from the setpoint in the air, of truth and of estimate."""
+    axes.set_ylabel("error (m)")
     if flown.setpoint is None:
         return
     if flown.truth is not None:
@@ -195,7 +196,7 @@ def _motors(axes: Axes, flown: Flown) -> None:
 
 
 def _bands(axes: Axes, flown: Flown, *, named: bool) -> None:
-    """The flight modes behind the curves, each in its own shade."""
+    """The flight modes as bands behind the curves, each in its own shade."""
     shades = {name: BANDS[i % len(BANDS)] for i, name in enumerate(_names(flown))}
     whole = flown.modes[-1][1] - flown.modes[0][0] if flown.modes else 0.0
     for begin, end, name in flown.modes:

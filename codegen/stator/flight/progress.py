@@ -1,5 +1,5 @@
-"""Shows how far a flight is, where somebody watches. The record of the true flight tells it: it has
-100 rows for each second."""
+"""Shows the progress of a flight on a terminal, from the file of the true flight: it has 100 rows
+for each second."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PERIOD_S = 0.1
 
 @contextlib.contextmanager
 def progress(text: str, truth: Path | None = None, most_s: float = 0.0) -> Iterator[None]:
-    """`most_s`: when the flight ends at the latest."""
+    """`most_s`: the latest end of the flight."""
     if not sys.stderr.isatty():
         yield
         return

@@ -1,4 +1,4 @@
-"""Reads a recording out of a flight log and says how far it can be trusted: docs/recording.md."""
+"""Reads the recording in a flight log, and how much of it is intact: docs/recording.md."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ FORMATS = {
 class Recording:
     log: Path
     data: bytes
-    good_bytes: int = 0  # from the start of the log, as far as checks say that they are whole
+    good_bytes: int = 0  # from the start of the log, confirmed by checks
     hash: str = ""
     lines: list[str] = field(default_factory=list)
     gaps: dict[int, int] = field(default_factory=dict)  # level -> activations lost
-    problem: str = ""  # why the file cannot be trusted further; empty: all of it can
+    problem: str = ""  # why the rest of the file is not used; empty: all of it is
 
     def graph(self) -> tuple[str, str, str]:
         """Its name, the board, and the file's name."""
@@ -47,7 +47,7 @@ class Recording:
         return name, board, file
 
     def layouts(self) -> dict[str, str]:
-        """Topic -> its fields, as ULog spells them."""
+        """Topic -> its fields, in ULog's format."""
         topics = (line.split(" ", 2) for line in self.lines if line.startswith("topic "))
         return {name: layout for _, name, layout in topics}
 
@@ -60,25 +60,24 @@ def read_recording(log: Path) -> Recording:
         raise UserError(f"error: cannot read '{log}': {error.strerror}") from error
     if data[:4] != b"ULog":
         raise UserError(
-            f"error: '{shown_path(log)}' is no flight log (ULog)\n"
-            "hint: ./stator fly and ./stator emulate say where they keep theirs"
+            f"error: expected a flight log (ULog), found another file '{shown_path(log)}'\n"
+            "hint: ./stator fly and ./stator emulate print the path of their log"
         )
     recording = Recording(log, data)
     seen_any = _walk(recording)
     if not recording.good_bytes and not recording.problem and not seen_any:
         raise UserError(
-            f"error: '{shown_path(log)}' has no recording\n"
-            "hint: flights are recorded unless they are flown with --no-record, or their graph has "
-            "no logger"
+            f"error: missing recording in '{shown_path(log)}'\n"
+            "hint: fly without --no-record, and with a graph that has a logger"
         )
     if not recording.good_bytes or not any(line.startswith("graph ") for line in recording.lines):
-        what = recording.problem or "it ends before the first check"
-        raise UserError(f"error: '{shown_path(log)}': nothing can be replayed: {what}")
+        what = recording.problem or "the file ends before the first check"
+        raise UserError(f"error: cannot replay '{shown_path(log)}': {what}")
     return recording
 
 
 def _walk(recording: Recording) -> bool:
-    """Goes through the messages. What stands behind the last check that is right does not count."""
+    """Reads the messages up to the last correct check. The rest does not count."""
     data = recording.data
     at, covered_from = FILE_HEAD, 0
     seen_any = False
@@ -87,7 +86,7 @@ def _walk(recording: Recording) -> bool:
     while at < len(data):
         end = at + MESSAGE_HEAD + int.from_bytes(data[at : at + 2], "little")
         if at + MESSAGE_HEAD > len(data) or end > len(data):
-            recording.problem = f"it is torn, or damaged, at byte {at}"
+            recording.problem = f"it is incomplete or damaged at byte {at}"
             break
         kind = data[at + 2]
         if kind == RECORDING and end > at + MESSAGE_HEAD:
@@ -134,7 +133,7 @@ def fields_of(layout: str, sample: bytes) -> dict[str, int | float | bool]:
 
 
 def logged_sample(recording: Recording, topic: str, crc: int) -> bytes | None:
-    """The sample of this CRC-32, where the flight log has it."""
+    """The sample with this CRC-32, if the flight log has it."""
     size = _bytes_of(recording.layouts()[topic])
     data, at, number = recording.data, FILE_HEAD, None
     while at + MESSAGE_HEAD <= recording.good_bytes:

@@ -1,4 +1,4 @@
-"""A flight's facts, told to people."""
+"""Prints the facts of a flight as a table."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def show(facts: dict[str, object], more: list[tuple[str, str]]) -> None:
     console.print(title, end="")
     console.print("success" if good else "FAILED", style="bold green" if good else "bold red")
     reasons = str(facts["reason"]).split("; ")
-    rows = [("result" if good else "why", reason) for reason in reasons]
+    rows = [("result" if good else "reason", reason) for reason in reasons]
     rows += more
     previous = ""
     for label, text in rows:
@@ -39,18 +39,20 @@ def flight_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     if facts["max_error_m"] is not None:
         where = f"{facts['hover_s']:.1f} s at {facts['hover_height_m']:.2f} m"
         limit = limit_of(limits.get("hover_m"), "m")
-        error = f"{facts['max_error_m']:.3f} m off at most{limit}, {facts['rms_error_m']:.3f} m RMS"
+        error = (
+            f"error at most {facts['max_error_m']:.3f} m{limit}, RMS {facts['rms_error_m']:.3f} m"
+        )
         rows.append(("hover", f"{where}: {error}"))
         for way in ("horizontal", "vertical"):
             key = f"hover_{way}_rms_m"
             if limits.get(key) is not None:
-                error = f"{facts[key]:.3f} m RMS {way}"
+                error = f"{way} RMS error {facts[key]:.3f} m"
                 rows.append(("hover", f"{error}{limit_of(limits[key], 'm')}"))
     if facts["attitude_error_deg"] is not None:
-        error = f"{facts['attitude_error_deg']:.2f} deg RMS error of the estimate in flight"
+        error = f"RMS error of the estimate in flight {facts['attitude_error_deg']:.2f} deg"
         rows.append(("tilt", f"{error}{limit_of(limits.get('tilt_error_deg'), 'deg')}"))
     if facts["touchdown_m_s"] is not None:
-        when = f"at {facts['touchdown_s']:.2f} s with {facts['touchdown_m_s']:.2f} m/s"
+        when = f"at {facts['touchdown_s']:.2f} s, {facts['touchdown_m_s']:.2f} m/s"
         most = limits.get("touchdown_speed" if facts.get("mission") else "touchdown_m_s")
         rows.append(("touchdown", f"{when}{limit_of(most, 'm/s')}"))
     return rows
@@ -60,18 +62,21 @@ def limit_of(most: float | None, unit: str) -> str:
     return "" if most is None else f" (limit {most:g} {unit})"
 
 
-# Facts of a mission, the limit of its file that each is held to, and what they say.
+# Measured facts of a mission: the limit in its file, and the text.
 MEASURED = {
-    "corridor_m": ("corridor", "off the straight way at most"),
-    "landing_error_m": ("landing_error", "from home at the landing"),
-    "hold_horizontal_rms_m": ("hold_horizontal_rms", "horizontal RMS while staying"),
-    "hold_vertical_rms_m": ("hold_vertical_rms", "vertical RMS while staying"),
-    "tracking_rms_m": ("tracking_rms", "horizontal RMS of estimate off setpoint, moving"),
+    "corridor_m": ("corridor", "greatest distance from the straight path"),
+    "landing_error_m": ("landing_error", "distance from home at the landing"),
+    "hold_horizontal_rms_m": ("hold_horizontal_rms", "horizontal RMS error while staying"),
+    "hold_vertical_rms_m": ("hold_vertical_rms", "vertical RMS error while staying"),
+    "tracking_rms_m": (
+        "tracking_rms",
+        "horizontal RMS distance of estimate and setpoint while moving",
+    ),
 }
 ERRORS = {
-    "truth_off_setpoint": "truth off setpoint",
-    "estimate_off_setpoint": "estimate off setpoint",
-    "estimate_off_truth": "estimate off truth",
+    "truth_off_setpoint": "distance of truth and setpoint",
+    "estimate_off_setpoint": "distance of estimate and setpoint",
+    "estimate_off_truth": "distance of estimate and truth",
 }
 
 
@@ -86,7 +91,7 @@ def _mission_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         reached = "not reached" if when is None else f"{when:6.2f} s"
         rows.append(("items", f"{number:2} {item['kind']:<16}{reached}"))
     for mode in modes:
-        why = f"  because of {mode['failsafe']}" if mode["failsafe"] else ""
+        why = f"  failsafe {mode['failsafe']}" if mode["failsafe"] else ""
         state = mode["mode"] if mode["armed"] else "disarmed"
         rows.append(("modes", f"   {state:<16}{mode['time_s']:6.2f} s{why}"))
     for key, (limit, text) in MEASURED.items():
@@ -95,8 +100,8 @@ def _mission_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
             rows.append(("measured", f"{facts[key]:6.2f} m  {text}{most}"))
     for key, text in ERRORS.items():
         if facts.get(f"{key}_rms_m") is not None:
-            worst = f"{facts[f'{key}_max_m']:.2f} m at most"
-            rows.append(("in flight", f"{facts[f'{key}_rms_m']:6.2f} m  RMS {text}, {worst}"))
+            worst = f"at most {facts[f'{key}_max_m']:.2f} m"
+            rows.append(("in flight", f"{facts[f'{key}_rms_m']:6.2f} m  RMS {text}; {worst}"))
     return rows
 
 
@@ -106,11 +111,11 @@ def log_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     most, stored = facts.get("recording_bytes_per_s"), facts.get("storage_bytes_per_s")
     if most is None:
         return [("log", size)]
-    rows = [("log", f"{size}: at most {_kilobytes(most)} with the recording")]
+    rows = [("log", f"{size}; highest rate {_kilobytes(most)}, recording included")]
     if stored is not None:
-        takes = f"{facts['storage_board']} takes {_kilobytes(stored)}"
+        takes = f"{facts['storage_board']} stores {_kilobytes(stored)}"
         if int(str(most)) > int(str(stored)):
-            takes += ": TOO LITTLE for the most; --no-record leaves the recording out"
+            takes += ": LESS than the highest rate; hint: --no-record writes no recording"
         rows.append(("storage", takes))
     return rows
 
@@ -127,26 +132,26 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         rows.append(("run", f"{speed}; {counts}"))
     rows += log_rows(facts)
     if facts["missed_life_signs"]:
-        missed = f"{facts['missed_life_signs']} life signs missed; the log says whose"
-        rows.append(("silent", missed))
+        missed = f"{facts['missed_life_signs']} missed life signs; the log names the tasks"
+        rows.append(("life signs", missed))
     if facts["unrecorded_activations"]:
-        lost = f"{facts['unrecorded_activations']:,} activations found no room"
+        lost = f"{facts['unrecorded_activations']:,} activations are not recorded (buffer full)"
         rows.append(("recording", f"it has a gap: {lost}"))
     if not facts["success"]:
         rows += picture_row(facts)
-        rows.append(("next", "the same command flies the same flight again"))
+        rows.append(("next", "repeat the command: it flies the same flight"))
         return rows
     file = Path(str(facts["log"]))
     log = shlex.quote(shown_path(file))
     if file.stat().st_size:  # a graph without a logger leaves it empty
-        rows.append(("next", f"./stator plot {log} draws it"))
+        rows.append(("next", f"draw it: ./stator plot {log}"))
     if facts["recording"] is not None:
-        rows.append(("next", f"./stator replay {log} repeats it bit for bit"))
+        rows.append(("next", f"repeat it bit for bit: ./stator replay {log}"))
     return rows
 
 
 def picture_row(facts: dict[str, object]) -> list[tuple[str, str]]:
-    """Draws the flight; nothing if its log holds no path."""
+    """Draws the flight. No row if the log has no path."""
     from stator.flight.plot import draw
 
     log = Path(str(facts["log"]))
@@ -155,4 +160,4 @@ def picture_row(facts: dict[str, object]) -> list[tuple[str, str]]:
         draw(log, picture)
     except UserError:
         return []
-    return [("picture", f"{shown_path(picture)} shows where")]
+    return [("picture", shown_path(picture))]

@@ -1,4 +1,4 @@
-"""The lives of a program that runs: it is started again where somebody asked for a restart."""
+"""Runs a program, and starts it again after an authorised restart request."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from types import FrameType
 
 RESTART = constant("boards/linux/main.cpp", "kRestart")
-SIGNALLED = 128  # and the number of the signal
-# A life counts as so long at least: one that restarts at once is no run without an end.
-LEAST_LIFE_S = 0.1
+SIGNALLED = 128  # plus the number of the signal
+# The shortest length that counts for one life: a program that restarts at once must end, too.
+MIN_LIFE_S = 0.1
 ENDING = (signal.SIGINT, signal.SIGTERM)
 
 
 def run_lives(
     command_of: Callable[[float], list[str]], log: Path, duration_s: float
 ) -> tuple[subprocess.CompletedProcess[str], list[Path]]:
-    """Runs the program, and again each time that it ends because somebody asked for a restart, for
-    the duration in all. The last life, and the logs of those before, which get a number."""
+    """Runs the program, and again after each restart request, until the whole duration is over.
+    Returns the last life, and the numbered logs of the earlier ones."""
     earlier: list[Path] = []
     left_s = duration_s
     with _Endings() as endings:
@@ -33,19 +33,19 @@ def run_lives(
             finished = endings.run(command_of(left_s))
             if finished.returncode != RESTART:
                 return finished, earlier
-            left_s -= max(json.loads(finished.stdout)["simulated_s"], LEAST_LIFE_S)
+            left_s -= max(json.loads(finished.stdout)["simulated_s"], MIN_LIFE_S)
             if endings.heard != 0:
                 finished.returncode = SIGNALLED + endings.heard
                 return finished, earlier
-            if left_s < LEAST_LIFE_S:
+            if left_s < MIN_LIFE_S:
                 return finished, earlier
             kept = log.with_name(f"{log.name.removesuffix('.ulg')}.{len(earlier) + 1}.ulg")
             earlier.append(log.rename(kept))
 
 
 class _Endings:
-    """Signals end the life that runs in order, which then says what there was until then, and with
-    it the run. None is lost: a program begins with them blocked, and hears them once it can."""
+    """A signal ends the running life in order, with its report, and then the whole run. No signal
+    is lost: a program starts with them blocked, and unblocks them when it can handle them."""
 
     def __init__(self) -> None:
         self.heard = 0

@@ -29,8 +29,8 @@ def read_board(sources: Sources, name: str, path: Path) -> Board | None:
         sources.report.error(
             record.get("executor").mark,
             "chip-missing",
-            "a board with the executor cortex_m has a chip",
-            "add `chip:`, for example stm32f4/stm32f427",
+            "missing key 'chip': the executor cortex_m needs it",
+            "add it, for example `chip: stm32f4/stm32f427`",
         )
     found = None if chip is None else _chip(sources, chip.value, chip.mark, path)
     if found is not None:
@@ -74,8 +74,8 @@ def _device(sources: Sources, name: str, record: Record, chip: Chip | None) -> D
         sources.report.error(
             record.owner,
             "missing-key",
-            f"device '{name}' has no driver, so it needs the key 'class'",
-            "for example `class: imu`",
+            f"missing key 'class': device '{name}' has no driver",
+            "add it, for example `class: imu`",
         )
         return None
     of_driver = driver.value.split("/")[0]
@@ -89,7 +89,7 @@ def _device(sources: Sources, name: str, record: Record, chip: Chip | None) -> D
         sources.report.error(
             driver.mark,
             "driver-unknown",
-            f"there is no driver '{driver.value}'",
+            f"unknown driver '{driver.value}'",
             sources.report.nearest(driver.value, sources.drivers()),
         )
         return None
@@ -97,7 +97,7 @@ def _device(sources: Sources, name: str, record: Record, chip: Chip | None) -> D
         sources.report.error(
             stated.mark,
             "class-mismatch",
-            f"driver '{driver.value}' is of the class '{of_driver}', not '{stated.value}'",
+            f"expected class '{of_driver}' for driver '{driver.value}', found '{stated.value}'",
             "remove the key `class`",
         )
         return None
@@ -116,8 +116,8 @@ def _check_lines(record: Record, interface: Interface, chip: Chip | None, report
             report.error(
                 record.get("lines").keys[line],
                 "line-unknown",
-                f"device class '{interface.name}' has no line '{line}'",
-                report.nearest(line, interface.lines) or "it has no lines",
+                f"unknown line '{line}' of device class '{interface.name}'",
+                report.nearest(line, interface.lines) or "remove it: this class has no lines",
             )
             continue
         for wire in wires.value:
@@ -130,7 +130,7 @@ def _check_vector(chip: Chip, leaf: Leaf, report: Report) -> None:
         report.error(
             leaf.mark,
             "vector-unknown",
-            f"{quoted(leaf.value)} is neither a pin nor a vector of {chip.name}",
+            f"unknown pin or vector {quoted(leaf.value)} of {chip.name}",
             report.nearest(leaf.value.lower(), chip.vectors),
         )
 
@@ -141,8 +141,8 @@ def _chip(sources: Sources, name: str, mark: Mark, board: Path) -> Chip | None:
         sources.report.error(
             mark,
             "file-missing",
-            f"there is no chip file 'boards/{name}.yaml'",
-            sources.report.nearest(name, sources.chips(board)) or "write it, beside the board",
+            f"missing file 'boards/{name}.yaml' of the chip",
+            sources.report.nearest(name, sources.chips(board)) or "write it beside the board",
         )
         return None
     record = sources.read(path, language.CHIP)
@@ -162,7 +162,7 @@ def find_board(sources: Sources, name: str, mark: Mark, note: str = "") -> Board
         sources.report.error(
             mark,
             "board-unknown",
-            f"there is no board '{name}'{note}",
+            f"unknown board '{name}'{note}",
             sources.report.nearest(name, sources.boards()),
         )
         return None

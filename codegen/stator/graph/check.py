@@ -40,7 +40,7 @@ def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
     assert tree is not None
     check_name(path.stem, Mark(path, 1, 1), GRAPH_NAME, report)
     if not composer.is_complete:
-        report.stop_on_errors()  # what else is wrong might come from what is missing
+        report.stop_on_errors()  # a missing file could cause more errors: do not report those
     check_variables(tree, report)
     record = language.GRAPH.read(tree, report)
     assert record is not None
@@ -50,8 +50,8 @@ def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
         report.error(
             record.keys["nodes"],
             "out-of-range",
-            "a graph has at least one node",
-            "for example `counter: {trigger: {every: 10 ms}}`",
+            "expected at least one node, found none",
+            "add a node, for example `counter: {trigger: {every: 10 ms}}`",
         )
 
     sources = Sources(path.parent, report)
@@ -88,7 +88,7 @@ def _boards(
     if name is None:
         return own, own
     mark = record.owner if leaf is None else leaf.mark
-    return own, find_board(sources, name, mark, " (it was given with --board)")
+    return own, find_board(sources, name, mark, " (given with --board)")
 
 
 def _budgets(path: Path, board: Board | None, record: Record, sources: Sources) -> dict[str, int]:
@@ -99,8 +99,8 @@ def _budgets(path: Path, board: Board | None, record: Record, sources: Sources) 
     table = sources.read(file, language.BUDGETS) if file.is_file() else None
     if table is None:
         return {}
-    # Graphs of one folder share the file, so that a node of another graph is no mistake here. One
-    # that is nearly a node without a budget is.
+    # The graphs of a folder share the file, so a node of another graph is not an error here. A name
+    # that resembles a node without a budget is one.
     without = [name for name in record.get("nodes").keys if name not in table.keys]
     for name in table.values:
         close = get_close_matches(name, without, n=1, cutoff=0.8)
@@ -109,12 +109,12 @@ def _budgets(path: Path, board: Board | None, record: Record, sources: Sources) 
         sources.report.error(
             table.keys[name],
             "budget-node",
-            f"{path.name} has no node '{name}'",
+            f"unknown node '{name}' in {path.name}",
             f"did you mean '{close[0]}'?",
         )
     return {name: leaf.value for name, leaf in table.values.items()}
 
 
 def _letters(name: str) -> str:
-    """A name without its number: imu0 and imu1 are not one misspelt."""
+    """A name without its number: imu1 is not a misspelt imu0."""
     return name.rstrip("0123456789")

@@ -1,6 +1,6 @@
-"""Reads the failsafe table of an app, mode x event -> mode, and proves that it is total, that no
-sequence of events leads round in a circle, and that no set of events leaves a mode without what it
-needs. The search is exhaustive: every mode, every set of events."""
+"""Reads the failsafe table of an app: mode x event -> mode. Proves three things: the table is
+total; its transitions form no cycle; and no set of events ends in a mode that lacks what it needs.
+The search is exhaustive: every mode with every set of events."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 GO_ON = "go_on"
 HEADER = "event"  # the row of the table that names its columns
-# The message whose enumerations name modes and events, and those fields.
+# The message whose enumerations name the modes and the events, and its two fields.
 STATUS, MODES, EVENTS = "VehicleStatus", "nav_state", "failsafe_event"
 
 _WORD = Text(NAME_PATTERN, "a name of lower case letters, digits and underscores")
@@ -31,15 +31,21 @@ SHAPE = Struct(
     {
         "events": Key(
             Table(
-                Struct({"without": Key(_WORDS, "What it takes away.")}), "an event", NAME_PATTERN
+                Struct({"without": Key(_WORDS, "The resources that the event takes away.")}),
+                "an event",
+                NAME_PATTERN,
             ),
-            "The events, most urgent first.",
+            "The events, the most urgent first.",
             required=True,
         ),
-        "needs": Key(Table(_WORDS, "a mode", NAME_PATTERN), "What each mode needs.", required=True),
+        "needs": Key(
+            Table(_WORDS, "a mode", NAME_PATTERN),
+            "The resources that each mode needs.",
+            required=True,
+        ),
         "table": Key(
             Table(_WORDS, "a mode", NAME_PATTERN),
-            "One row a mode, one column an event: the mode that follows; go_on: no other mode. "
+            "For each mode a row, for each event a column: the next mode; go_on keeps the mode. "
             "The row `event` names the columns.",
             required=True,
         ),
@@ -48,7 +54,7 @@ SHAPE = Struct(
 
 
 def read_failsafe(sources: Sources, path: Path, status: Message) -> Failsafe | None:
-    """The table, or None after saying what is wrong with it."""
+    """The table; None after reporting what is wrong."""
     report = sources.report
     count = len(report)
     record = sources.read(path, SHAPE)
@@ -79,8 +85,8 @@ def _check_events(record: Record, events: tuple[str, ...], report: Report) -> No
         report.error(
             record.keys["events"],
             "failsafe-total",
-            f"the events are not in the order of {STATUS}'s {EVENTS}, which is that of urgency",
-            "write them as " + ", ".join(events),
+            f"expected the events in the order of {STATUS}.{EVENTS}, the most urgent first",
+            "write them in this order: " + ", ".join(events),
         )
 
 
@@ -91,14 +97,16 @@ def _check_keys(
     for key, mark in table.keys.items():
         if key not in known:
             hint = report.nearest(key, known)
-            report.error(mark, "failsafe-total", f"{STATUS}'s {field} has no {what} '{key}'", hint)
+            report.error(
+                mark, "failsafe-total", f"unknown {what} '{key}' of {STATUS}.{field}", hint
+            )
     for key in known:
         if key not in table.keys:
             report.error(
                 table.owner,
                 "failsafe-total",
-                f"'{name}' has no row '{key}'",
-                f"add a row for {key}",
+                f"missing row '{key}' in '{name}'",
+                f"add a row for '{key}'",
             )
 
 
@@ -134,7 +142,7 @@ def _check_row(
     for leaf in row:
         if leaf.value not in (*modes, GO_ON):
             hint = report.nearest(leaf.value, [*modes, GO_ON])
-            report.error(leaf.mark, "failsafe-total", f"no mode {quoted(leaf.value)}", hint)
+            report.error(leaf.mark, "failsafe-total", f"unknown mode {quoted(leaf.value)}", hint)
 
 
 def _next(cells: Cells, mode: str, event: str) -> str:
@@ -143,7 +151,7 @@ def _next(cells: Cells, mode: str, event: str) -> str:
 
 
 def _check_circles(cells: Cells, modes: tuple[str, ...], report: Report) -> None:
-    """No way along the table, whatever happens, comes back to a mode that it has left."""
+    """No sequence of events comes back to a mode that it has left."""
     ways: dict[str, dict[str, str]] = {mode: {} for mode in modes}  # to, by which event
     for mode, row in cells.items():
         for event in row:
@@ -169,8 +177,8 @@ def _walk(
         report.error(
             cells[path[-1]][event].mark,
             "failsafe-circle",
-            f"the modes could go round for ever: {circle}",
-            "a failsafe leads down, never back; write another mode here, or go_on",
+            f"failsafe transitions form a cycle: {circle}",
+            "write go_on here, or a mode that does not lead back",
         )
         return
     if mode in done:
@@ -183,7 +191,7 @@ def _walk(
 
 
 def settle(next_mode: dict[tuple[str, str], str], mode: str, active: list[str]) -> str:
-    """Where a mode ends while these events last, most urgent first."""
+    """The mode that the table ends in while these events last, the most urgent first."""
     while True:
         following = next((next_mode[mode, e] for e in active if next_mode[mode, e] != mode), mode)
         if following == mode:
@@ -194,7 +202,7 @@ def settle(next_mode: dict[tuple[str, str], str], mode: str, active: list[str]) 
 def _check_needs(
     record: Record, cells: Cells, modes: tuple[str, ...], events: tuple[str, ...], report: Report
 ) -> None:
-    """In no mode where the table comes to rest is that missing which the mode needs."""
+    """Every mode that the table ends in has what it needs."""
     next_mode = {(m, e): _next(cells, m, e) for m in modes for e in events}
     needs = {m: {leaf.value for leaf in words.value} for m, words in items(record, "needs")}
     takes: dict[str, set[str]] = {}
@@ -211,7 +219,7 @@ def _check_needs(
             report.error(
                 cells[end][event].mark,
                 "failsafe-needs",
-                f"{end} needs {', '.join(sorted(missing))}, which {event} takes away, "
-                "and with it the table ends here",
-                "write a mode that can do without",
+                f"the table ends in {end}, which needs {', '.join(sorted(missing))}, and {event} "
+                "takes it away",
+                f"write a mode that does not need {', '.join(sorted(missing))}",
             )

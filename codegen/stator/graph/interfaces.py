@@ -22,12 +22,13 @@ if TYPE_CHECKING:
     from stator.graph.sources import Sources
 
 
-# What a key gives a node besides its inputs and outputs.
+# Keys that add a port to the node, and the name of that port.
 GIVEN_PORTS = {"reads_log": "log", "publishes_params": "parameters"}
 
 
 def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> Interface | None:
     report = sources.report
+    count = len(report)
     record = sources.read(path, language.INTERFACE)
     if record is None:
         return None
@@ -35,12 +36,11 @@ def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> 
         report.error(
             record.keys["lines"],
             "irq-needs-device",
-            "only a device class has lines",
-            "remove the key; a driver in drivers/ does input and output",
+            "unknown key 'lines': only a device class has lines",
+            "remove the key; write a driver in drivers/ for input and output",
         )
     if record.value("publishes_params", False):
         _check_params_publisher(record, report, is_app=is_app)
-    count = len(report)
     inputs, outputs = _ports(sources, record, "inputs"), _ports(sources, record, "outputs")
     _check_names(record, outputs, report)
     params = {
@@ -53,7 +53,7 @@ def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> 
         key in record.keys and record.get(key) is None
         for key in ("lines", "inputs", "outputs", "params")
     ):
-        return None  # what it has is not known, and it has been said why
+        return None  # its ports are not all known; the errors are reported
     return Interface(
         name=name,
         file=path,
@@ -72,13 +72,14 @@ def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> 
 
 
 def _check_params_publisher(record: Record, report: Report, *, is_app: bool) -> None:
-    """A replay runs it again, which it does with neither drivers nor the logger."""
+    """A replay must run this node, and it runs neither drivers nor the logger."""
     if not is_app or record.value("reads_log", False):
         report.error(
             record.keys["publishes_params"],
             "params-publisher",
-            "only an app can publish parameters, and not the logger",
-            "give the key to an app of its own",
+            "expected an app that does not read the log, found "
+            + ("a logger" if is_app else "a device class"),
+            "move the key `publishes_params` to an app of its own",
         )
 
 
@@ -114,8 +115,8 @@ def _check_names(record: Record, outputs: dict[str, Port], report: Report) -> No
             report.error(
                 record.get("outputs").keys[name],
                 "name-clash",
-                f"'{name}' is an input, too",
-                "give input and output different names",
+                f"input and output have the same name '{name}'",
+                "rename one of them",
             )
     for key, port in GIVEN_PORTS.items():
         for table in (inputs, record.get("outputs")):
@@ -123,8 +124,8 @@ def _check_names(record: Record, outputs: dict[str, Port], report: Report) -> No
                 report.error(
                     table.keys[port],
                     "name-clash",
-                    f"`{key}` gives the node a port '{port}'",
-                    "give this one another name",
+                    f"'{port}' is also the port that `{key}` adds",
+                    "rename this one",
                 )
 
 
@@ -142,7 +143,10 @@ def _param(name: str, record: Record, report: Report) -> Param | None:
     least, most = bounds if len(bounds) == 2 else (None, None)
     if least is not None and most is not None and least > most:
         report.error(
-            written.mark, "out-of-range", "the range ends before it begins", "write the least first"
+            written.mark,
+            "out-of-range",
+            "expected the lower bound first, found the higher one",
+            "swap the two bounds",
         )
         return None
     param = replace(param, least=least, most=most)
@@ -151,7 +155,7 @@ def _param(name: str, record: Record, report: Report) -> Param | None:
 
 
 def params_message(app: str, params: dict[str, Param], mark: Mark) -> Message | None:
-    """Parameters travel as a message of their own."""
+    """The message that carries the parameters of an app."""
     if not params:
         return None
     fields = [Field(p.name, p.type, None, p.unit, "", (), p.doc) for p in params.values()]
@@ -164,8 +168,8 @@ def find_app(sources: Sources, name: str, mark: Mark) -> Interface | None:
         sources.report.error(
             mark,
             "app-unknown",
-            f"there is no app '{name}'",
-            sources.report.nearest(name, sources.apps()) or f"make apps/{name}/{name}.yaml",
+            f"unknown app '{name}'",
+            sources.report.nearest(name, sources.apps()) or f"write apps/{name}/{name}.yaml",
         )
         return None
     found: Interface | None = sources.once(
@@ -180,8 +184,8 @@ def find_device_class(sources: Sources, name: str, mark: Mark) -> Interface | No
         sources.report.error(
             mark,
             "class-unknown",
-            f"there is no device class '{name}'",
-            sources.report.nearest(name, sources.classes()) or f"make drivers/{name}/{name}.yaml",
+            f"unknown device class '{name}'",
+            sources.report.nearest(name, sources.classes()) or f"write drivers/{name}/{name}.yaml",
         )
         return None
     found: Interface | None = sources.once(

@@ -1,4 +1,4 @@
-"""Reads a message's file: its fields, and where the padding goes."""
+"""Reads the file of a message, and adds the padding between its fields."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from stator.names import is_reserved_type, upper_camel
 if TYPE_CHECKING:
     from pathlib import Path
 
-MOST_MESSAGE_BYTES = 8192
+MAX_MESSAGE_BYTES = 8192
 _FIELD_TYPE = re.compile(r"([a-z0-9]+)(?:\[([0-9]{1,5})\])?")
 
 
@@ -28,7 +28,7 @@ def read_message(sources: Sources, name: str, path: Path) -> Message | None:
         report.error(
             mark,
             "reserved-name",
-            f"a message cannot be called '{name}': the runtime has taken it",
+            f"'{name}' cannot be a message name: the runtime uses this name",
             f"rename the file, for example to {name}Sample.yaml",
         )
         return None
@@ -40,12 +40,13 @@ def read_message(sources: Sources, name: str, path: Path) -> Message | None:
     if len(known) < len(table.keys):
         return None
     message = Message(name, record.value("doc", ""), pad(known), mark)
-    if message.bytes > MOST_MESSAGE_BYTES:
+    if message.bytes > MAX_MESSAGE_BYTES:
         report.error(
             record.keys["fields"],
             "message-too-large",
-            f"{name} takes {message.bytes} bytes, more than {MOST_MESSAGE_BYTES}",
-            "split it into several samples",
+            f"expected a message of at most {MAX_MESSAGE_BYTES} bytes, found {message.bytes} bytes "
+            f"in {name}",
+            "split it into several messages",
         )
         return None
     return message if _enums_differ(name, known, table, report) else None
@@ -60,19 +61,24 @@ def _field(name: str, record: Record, report: Report) -> Field | None:
         report.error(
             leaf.mark,
             "field-type",
-            f"{quoted(leaf.value)} is no type of a field",
+            f"unknown field type {quoted(leaf.value)}",
             report.nearest(re.sub("[^a-z0-9].*", "", leaf.value), TYPES),
         )
         return None
     if match.group(2) is not None and int(match.group(2)) == 0:
-        report.error(leaf.mark, "field-type", "an array of no items", "write how many there are")
+        report.error(
+            leaf.mark,
+            "field-type",
+            f"expected an array of at least 1 item, found {quoted(leaf.value)}",
+            "write the number of items in the brackets",
+        )
         return None
     values = record.get("values")
     if values is not None and leaf.value != "uint8":
         report.error(
             leaf.mark,
             "field-type",
-            "a field with `values` has the type uint8",
+            f"expected type uint8 for a field with `values`, found {quoted(leaf.value)}",
             "write `type: uint8`, or remove `values`",
         )
         return None
@@ -99,12 +105,12 @@ def _enums_differ(message: str, fields: list[Field], table: Record, report: Repo
         other = types.setdefault(upper_camel(field.name), field.name)
         if other != field.name:
             good = False
-            whose = f"that of field '{other}'" if other else "the message itself"
+            whose = f"the enumeration of '{other}'" if other else "the message"
             report.error(
                 table.keys[field.name],
                 "name-clash",
-                f"the enumeration of '{field.name}' "
-                f"would be called {upper_camel(field.name)}, as {whose}",
+                f"the enumeration of '{field.name}' and {whose} would both be called "
+                f"{upper_camel(field.name)} in C++",
                 "rename the field",
             )
         items = {upper_camel(name) for name, _ in field.values}
@@ -113,14 +119,14 @@ def _enums_differ(message: str, fields: list[Field], table: Record, report: Repo
             report.error(
                 table.values[field.name].keys["values"],
                 "name-clash",
-                "two of the values would have one name in C++",
-                "let them differ in more than underscores",
+                f"two values of '{field.name}' would have the same name in C++",
+                "rename one of them: names must differ in more than underscores",
             )
     return good
 
 
 def pad(fields: list[Field]) -> tuple[Field, ...]:
-    """The fields behind `timestamp`, with every gap a named field, so that no byte is stale."""
+    """`timestamp`, then the fields. Each gap is a named field, so that every byte is written."""
     doc = "When it was published; set by publish."
     result = [Field("timestamp", "uint64", None, "us", "", (), doc)]
     offset = 8
@@ -148,9 +154,9 @@ def find_message(sources: Sources, name: str, mark: Mark) -> Message | None:
         sources.report.error(
             mark,
             "message-unknown",
-            f"there is no message '{name}'",
+            f"unknown message '{name}'",
             sources.report.nearest(name, sources.messages())
-            or f"make messages/{name}.yaml beside the graph",
+            or f"write messages/{name}.yaml beside the graph",
         )
         return None
     found: Message | None = sources.once("message", name, lambda: read_message(sources, name, path))

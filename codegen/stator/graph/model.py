@@ -1,4 +1,4 @@
-"""The graph after checking: complete, consistent, frozen. Times are whole microseconds."""
+"""The graph after the checks: complete, consistent, frozen. Times are whole microseconds."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Port:
     name: str
     message: Message
     optional: bool  # an input
-    burst: int  # of an output: most publications of one activation
+    burst: int  # of an output: the highest number of publications in one activation
     doc: str
 
 
@@ -80,12 +80,12 @@ class Param:
 
 @dataclass(frozen=True)
 class Failsafe:
-    """Which flight mode follows which, at which event: see failsafe.py."""
+    """The next flight mode for each flight mode and event: see failsafe.py."""
 
     file: Path
     modes: tuple[str, ...]
     events: tuple[str, ...]  # most urgent first
-    rows: tuple[tuple[str, ...], ...]  # of each mode, what each event makes of it
+    rows: tuple[tuple[str, ...], ...]  # for each mode, the next mode at each event
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class Chip:
 
 @dataclass(frozen=True)
 class Upload:
-    board_id: int  # of its bootloader, and of ground stations
+    board_id: int  # for its bootloader and ground stations
     pyocd_target: str | None
 
 
@@ -218,7 +218,7 @@ class Node:
 
 @dataclass(frozen=True)
 class TopicConfig:
-    log: str | int | None  # "all", "none", a period in us, or unsaid
+    log: str | int | None  # "all", "none", a period in us; None: not given
     depth: int | None
     many_publishers: bool
     mark: Mark | None

@@ -1,6 +1,6 @@
 """Finds what a graph names: apps, messages, device classes, drivers, boards, chips.
 
-Looked for beside the graph first, then in Stator itself. Each file is read once.
+Searches the folder of the graph first, then Stator itself. Reads each file once.
 """
 
 from __future__ import annotations
@@ -67,7 +67,8 @@ class Sources:
         return result
 
     def chips(self, board: Path) -> dict[str, Path]:
-        """Those that this board may name, by their path below boards/: beside it, then our own."""
+        """The chips that this board may name, by their path below boards/. Files beside the board
+        come before Stator's own."""
         found: dict[str, Path] = {}
         for folder in (board.parents[1], HOME / "boards"):
             for path in sorted(folder.glob("*/*.yaml")):
@@ -76,14 +77,14 @@ class Sources:
         return found
 
     def read(self, path: Path, shape: Shape) -> Record | None:
-        """A file in the given shape; None after saying what is wrong with it."""
+        """The file as `shape` reads it; None after reporting what is wrong."""
         self.files.append(path)
         tree = yaml_tree.load(path, self.report)
         record: Record | None = None if tree is None else shape.read(tree, self.report)
         return record
 
     def once(self, what: str, name: str, make: Callable[[], Any]) -> Any:
-        """What `make` made when this was first asked for."""
+        """The result of the first call of `make` for this name."""
         if (what, name) not in self._cache:
             self._cache[what, name] = make()
         return self._cache[what, name]

@@ -13,22 +13,22 @@ if TYPE_CHECKING:
     from stator.graph.model import Param, Value
     from stator.language.yaml_tree import Scalar
 
-# Of the magnitudes that a float holds with all its digits, a little less.
-_LEAST_FLOAT, _MOST_FLOAT = Fraction(1, 10**37), Fraction(10**37)
+# A little inside the range in which a float keeps all its digits.
+_MIN_FLOAT, _MAX_FLOAT = Fraction(1, 10**37), Fraction(10**37)
 
 
 def read_value(
     param: Param, item: Scalar, report: Report, *, in_file: bool = False
 ) -> Value | None:
-    """The value in the parameter's own unit. In the interface itself (`in_file`) numbers are bare,
-    as the unit stands beside them."""
+    """The value in the parameter's own unit. In the interface itself (`in_file`) numbers have no
+    unit, because the key `unit` gives it."""
     if param.type == "bool":
         if item.text in ("true", "false"):
             return item.text == "true"
         report.error(
             item.mark,
             "wrong-type",
-            f"'{param.name}' is true or false, not {quoted(item.text)}",
+            f"expected true or false for '{param.name}', found {quoted(item.text)}",
             "write true or false",
         )
         return None
@@ -37,7 +37,7 @@ def read_value(
         report.error(
             item.mark,
             "wrong-type",
-            f"'{param.name}' is a number, not {quoted(item.text)}",
+            f"expected a number for '{param.name}', found {quoted(item.text)}",
             f"write a number{'' if param.unit == '1' else f' and its unit, {param.unit}'}",
         )
         return None
@@ -58,18 +58,18 @@ def _fits_type(param: Param, number: Fraction, item: Scalar, report: Report) -> 
         report.error(
             item.mark,
             "wrong-type",
-            f"'{param.name}' is a whole number of 32 bits, not {quoted(item.text)}",
-            f"write one from {shown(param.least or Fraction(-(2**31) + 1))} "
+            f"expected a whole number of 32 bits for '{param.name}', found {quoted(item.text)}",
+            f"write a number from {shown(param.least or Fraction(-(2**31) + 1))} "
             f"to {shown(param.most or Fraction(2**31 - 1))}",
         )
         return False
-    if number == 0 or _LEAST_FLOAT <= abs(number) <= _MOST_FLOAT:
+    if number == 0 or _MIN_FLOAT <= abs(number) <= _MAX_FLOAT:
         return True
     report.error(
         item.mark,
         "out-of-range",
-        f"{quoted(item.text)} is too {'large' if abs(number) > 1 else 'small'} for a float",
-        "its magnitude lies between 1e-37 and 1e37, or is 0",
+        f"expected a magnitude from 1e-37 to 1e37, or 0, found {quoted(item.text)}",
+        f"write a {'smaller' if abs(number) > 1 else 'larger'} number: a float cannot hold it",
     )
     return False
 
@@ -79,12 +79,15 @@ def _is_in_range(param: Param, number: Fraction, item: Scalar, report: Report) -
     if (least is None or number >= least) and (most is None or number <= most):
         return True
     unit = "" if param.unit == "1" else f" {param.unit}"
-    written = "" if item.text == shown(number) + unit else f", which is {shown(number)}{unit},"
+    written = "" if item.text == shown(number) + unit else f", which is {shown(number)}{unit}"
+    low, high = (shown(bound or Fraction(0)) for bound in (least, most))
+    is_low = least is not None and number < least
     report.error(
         item.mark,
         "param-range",
-        f"{quoted(item.text)}{written} is outside the range of '{param.name}'",
-        f"write a value from {shown(least or Fraction(0))} to {shown(most or Fraction(0))}{unit}",
+        f"expected a value from {low} to {high}{unit} for '{param.name}', "
+        f"found {quoted(item.text)}{written}",
+        f"write {low}{unit} or more" if is_low else f"write {high}{unit} or less",
     )
     return False
 
@@ -95,8 +98,8 @@ def _bare(param: Param, unit: str, item: Scalar, report: Report) -> Fraction | N
     report.error(
         item.mark,
         "unit-unknown",
-        "numbers in an interface are bare",
-        f"remove the unit here; the key `unit` says {param.unit}",
+        f"expected a number without a unit, found {quoted(item.text)}",
+        f"remove the unit: the key `unit` gives it ({param.unit})",
     )
     return None
 
@@ -112,7 +115,7 @@ def _factor(param: Param, unit: str, item: Scalar, report: Report) -> Fraction |
         report.error(
             item.mark,
             "unit-missing",
-            f"'{param.name}' needs a unit",
+            f"expected a number with its unit for '{param.name}', found {quoted(item.text)}",
             "write " + " or ".join(f"{item.text} {u}" for u in choices),
         )
     elif param.unit == "1":
@@ -120,14 +123,14 @@ def _factor(param: Param, unit: str, item: Scalar, report: Report) -> Fraction |
         report.error(
             item.mark,
             "unit-unknown",
-            f"'{param.name}' has no unit, and {quoted(unit)} is one",
+            f"expected a number without a unit for '{param.name}', found {quoted(item.text)}",
             f"write {bare} or {bare} %",
         )
     else:
         report.error(
             item.mark,
             "unit-unknown",
-            f"'{param.name}' is in {param.unit}, not in {quoted(unit)}",
+            f"expected a value in {param.unit} for '{param.name}', found {quoted(item.text)}",
             "use " + " or ".join(choices),
         )
     return None

@@ -1,4 +1,4 @@
-"""Composition: what a file writes replaces, key by key, what it includes."""
+"""Composition: the keys of a file replace, one by one, the same keys of its includes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from stator.diagnostics import MOST_BYTES, Mark, Report, beside
+from stator.diagnostics import MAX_BYTES, Mark, Report, beside
 from stator.language import keys as language
 from stator.language import yaml_tree
 from stator.language.nested import Listing
@@ -16,7 +16,7 @@ from stator.language.prefix import prefixed
 from stator.language.shapes import VARIABLE, Record, misshaped
 from stator.language.yaml_tree import Mapping, Scalar, Sequence, Tree
 
-MOST_INCLUDES = 200
+MAX_INCLUDES = 200
 
 
 @dataclass
@@ -39,7 +39,8 @@ class Composer:
             return None
         if not isinstance(tree, Mapping):
             self.is_complete = False
-            misshaped(tree, "a mapping", self.report, "its keys: " + ", ".join(language.GRAPH.keys))
+            keys = ", ".join(language.GRAPH.keys)
+            misshaped(tree, "a mapping", self.report, f"known keys: {keys}")
             return None
         if "include" not in tree.entries:
             return tree
@@ -58,7 +59,7 @@ class Composer:
         return own if base is None else _override(base, own, ())
 
     def _load(self, path: Path) -> Tree | None:
-        """Each file is read once, however often it is included."""
+        """Reads each file once, even if it is included several times."""
         if path not in self._trees:
             self.files.append(path)
             self._trees[path] = yaml_tree.load(path, self.report)
@@ -77,7 +78,7 @@ class Composer:
             self.report.error(
                 leaf.mark,
                 "include-path",
-                f"'{leaf.value}' lies outside the graph's folder",
+                f"expected a file in the graph's folder, found '{leaf.value}'",
                 "move the file into the folder of the graph, or below it",
             )
             return None
@@ -85,7 +86,7 @@ class Composer:
             self.report.error(
                 leaf.mark,
                 "include-missing",
-                f"there is no file '{leaf.value}'",
+                f"missing file '{leaf.value}'",
                 self.report.nearest(leaf.value, _files_near(file, path.parent)),
             )
             return None
@@ -94,26 +95,26 @@ class Composer:
             self.report.error(
                 leaf.mark,
                 "include-cycle",
-                f"'{leaf.value}' includes itself: "
+                "includes form a cycle: "
                 + " -> ".join(names if len(names) < 8 else [*names[:6], "...", names[-1]]),
-                "remove one of the includes on the way round",
+                "remove one of these includes",
             )
             return None
         self._includes += 1
-        if self._includes > MOST_INCLUDES:
+        if self._includes > MAX_INCLUDES:
             self.report.error(
                 leaf.mark,
                 "include-many",
-                f"more than {MOST_INCLUDES} includes",
-                "each include counts, also of one file several times",
+                f"expected at most {MAX_INCLUDES} includes, found more",
+                "include fewer files; a file that is included twice counts twice",
             )
             return None
-        if self._bytes > MOST_BYTES:
+        if self._bytes > MAX_BYTES:
             self.report.error(
                 leaf.mark,
                 "file-too-large",
-                f"the files included before this one have more than {MOST_BYTES} bytes",
-                "include fewer or smaller ones",
+                f"expected at most {MAX_BYTES} bytes in all included files, found more",
+                "include fewer or smaller files",
             )
             return None
         part = self.compose(file, above)
@@ -148,12 +149,12 @@ class Composer:
                 self.report.error(
                     tree.mark,
                     "variable-unknown",
-                    f"{tree.text[:60]} has no value",
+                    f"variable {tree.text[:60]} has no value",
                     known
-                    or f"write `with: {{{name[:60]}: VALUE}}` at the include in "
+                    or f"add `with: {{{name[:60]}: VALUE}}` to the include in "
                     f"{beside(tree.mark, record.mark)}",
                 )
-            # In the place of a value that is missing: no second error about it.
+            # A value that stands for the missing one: no second error about it.
             return tree
 
         result = replace(part)
@@ -164,14 +165,14 @@ class Composer:
                 self.report.error(
                     mark,
                     "variable-unused",
-                    f"nothing in the included file is ${{{name}}}",
-                    "remove it, or write ${" + name + "} in the place of a whole value",
+                    f"the included file does not use the variable ${{{name}}}",
+                    f"remove it, or write ${{{name}}} for a whole value in the included file",
                 )
         return result
 
     def _join(self, first: Mapping, second: Mapping, own: Tree | None) -> Mapping:
-        """Two includes side by side: they may add, not differ, except where the including file
-        decides."""
+        """Two includes side by side. They may not differ on a key, unless the including file
+        (`own`) writes that key itself."""
         entries, keys = dict(first.entries), dict(first.keys)
         for key, item in second.entries.items():
             old = entries.get(key)
@@ -185,14 +186,16 @@ class Composer:
         return Mapping(entries, first.mark, keys, first.owner)
 
     def _refuse_conflict(self, key: str, first: Mark, second: Mark) -> None:
-        hint = f"the other is {beside(second, first)}; write the key in the including file, too"
+        hint = f"other value: {beside(second, first)}; write the key in the including file"
         if first.file == second.file:
-            hint = "the file is included twice; give one of the includes a `prefix`"
-        self.report.error(second, "include-conflict", f"two includes differ on '{key[:60]}'", hint)
+            hint = "this file is included twice; add `prefix` to one of the includes"
+        self.report.error(
+            second, "include-conflict", f"two includes differ on key '{key[:60]}'", hint
+        )
 
 
 def check_variables(tree: Tree, report: Report) -> None:
-    """Variables of the top file have nobody to give them a value."""
+    """Reports each variable of the top file: no including file can give it a value."""
     if isinstance(tree, Mapping):
         for item in tree.entries.values():
             check_variables(item, report)
@@ -203,13 +206,13 @@ def check_variables(tree: Tree, report: Report) -> None:
         report.error(
             tree.mark,
             "variable-unknown",
-            f"{tree.text[:60]} has no value",
-            "include this file from another one, with `with`",
+            f"variable {tree.text[:60]} has no value",
+            "include this file from another file, and give the value in `with`",
         )
 
 
 def _files_near(file: Path, folder: Path) -> list[str]:
-    """Files beside the one that was meant, as an include in `folder` would name them."""
+    """Files in the folder of `file`, with the paths that an include in `folder` would use."""
     try:
         found = sorted(path for path in file.parent.glob("*.yaml") if path.is_file())[:50]
         return [os.path.relpath(path, folder) for path in found]

@@ -1,6 +1,6 @@
-"""The language, key by key: what a graph, a message, an interface and a board may say.
+"""The language: every key of a graph, a message, an interface, a board and a chip.
 
-The checker, the JSON Schema for editors and the reference are all made from this file.
+The checker, the JSON Schema for editors and the reference all come from this file.
 """
 
 from __future__ import annotations
@@ -9,51 +9,58 @@ from stator.language.nested import Key, Listing, OneOrMore, Short, Struct, Table
 from stator.language.period import Period
 from stator.language.shapes import NAME_PATTERN, Boolean, Choice, Integer, Name, Raw, Text
 
-MOST_LEVELS = 15
-MOST_TASKS_OF_THREAD = 30  # bits of a word, without the two of its own
+MAX_LEVELS = 15
+MAX_TASKS_OF_THREAD = 30  # the bits of a word, except two that the thread itself uses
 DEPTHS = (1, 2, 4, 8, 16)
-MOST_SLOTS = 32
+MAX_SLOTS = 32
 
-MOST_TIMERS = 32  # of one node: a bit each in what woke it
-MOST_MODES = 255
-MOST_LOGGED_BYTES = 1000  # of a message; a block of the log holds no more
-MOST_PARAM_NODES = 200  # whose parameters one node publishes; each is a port of its recording
-MOST_PARAM_NAME = 92  # bytes of NODE.PARAMETER in messages, as DroneCAN has it
+MAX_TIMERS = 32  # of one node: each has a bit in the word that says what woke the node
+MAX_MODES = 255
+MAX_LOGGED_BYTES = 1000  # of a message: the size of a block of the log
+MAX_PARAM_NODES = 200  # nodes whose parameters one node publishes; each is a recorded port
+MAX_PARAM_NAME = 92  # bytes of NODE.PARAMETER in messages; DroneCAN's limit
 
 MESSAGE_NAME = Text(
     "[A-Z][A-Za-z0-9]{0,62}",
     "a message name",
     "bad-name",
-    "message names are UpperCamel, such as SensorGyro",
+    "write it in UpperCamel, for example SensorGyro",
 )
 _PATH_PART = "[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}"
 RELATIVE_PATH = Text(
     rf"(\.\./){{0,8}}({_PATH_PART}/){{0,8}}{_PATH_PART}\.yaml",
-    "the path of a .yaml file, relative to this one",
+    "a relative path of a .yaml file",
     "include-path",
-    "for example parts/estimation.yaml",
+    "write a path relative to this file, for example parts/estimation.yaml",
 )
 PREFIX = Text(
     "[a-z][a-z0-9]*(_[a-z0-9]+)*_?",
     "a prefix",
     "bad-name",
-    "lower case letters, digits and single underscores, such as left_",
+    "use lower case letters, digits and single underscores, for example left_",
 )
-# It stands in comments and in the log's format, on one line.
+# Comments and the log's format hold it, on one line.
 UNIT = Text(
-    r"[!-\[\]-~°µ ]{1,32}", "a unit", hint='one short line, for example m/s^2, or "1" for none'
+    r"[!-\[\]-~°µ ]{1,32}",
+    "a unit",
+    hint='write one short line, for example m/s^2, or "1" for no unit',
 )
-_LATER = "graphs over several machines come in a later version"
+_LATER = "this version supports one machine per graph"
 
 INCLUDE = Struct(
     {
         "file": Key(
             RELATIVE_PATH,
-            "The file to include, relative to this one, or one of Stator's own graphs.",
+            "The file to include: a path relative to this file, or one of Stator's own graphs.",
             required=True,
         ),
-        "with": Key(Table(Raw(may_be_variable=True), "a variable"), "Values for its ${variables}."),
-        "prefix": Key(PREFIX, "Put in front of its node names and the topics it publishes."),
+        "with": Key(
+            Table(Raw(may_be_variable=True), "a variable"),
+            "Values for the ${variables} of the included file.",
+        ),
+        "prefix": Key(
+            PREFIX, "Text in front of its node names and of the topics that it publishes."
+        ),
     }
 )
 
@@ -62,14 +69,16 @@ TRIGGER = Struct(
         "irq": Key(Name("a line"), "A line of the node's device."),
         "min_interarrival": Key(
             Period(),
-            "The least time between two events of the line; an assumption "
-            "of the proof, checked at run time.",
+            "The shortest time between two events of the line. The proof assumes it; the executor "
+            "checks it at run time.",
         ),
-        "topic": Key(Name("a topic"), "A topic among the node's inputs."),
-        "min_interval": Key(Period(), "Activate at most this often, keeping the mean rate."),
-        "every": Key(Period(), "A period."),
-        "offset": Key(Period(least_us=0), "First release of the period."),
-        "max_interval": Key(Period(), "The task is watched for life: it runs at least this often."),
+        "topic": Key(Name("a topic"), "A topic that one of the node's inputs reads."),
+        "min_interval": Key(Period(), "The shortest mean time between activations by this topic."),
+        "every": Key(Period(), "The period of a timer."),
+        "offset": Key(Period(least_us=0), "The time of the first release."),
+        "max_interval": Key(
+            Period(), "The longest time between two activations; the executor watches it."
+        ),
     }
 )
 
@@ -78,28 +87,39 @@ INPUT = Short(
     Struct(
         {
             "topic": Key(Name("a topic"), "The topic to read.", required=True),
-            "max_age": Key(Period(), "A sample older than this reads as absent."),
-            "read": Key(Choice(("latest", "queue")), "The newest sample, or all in order."),
+            "max_age": Key(Period(), "The node sees a sample older than this as absent."),
+            "read": Key(
+                Choice(("latest", "queue")),
+                "latest: the newest sample; queue: every sample, in order.",
+            ),
         }
     ),
 )
 
 NODE = Struct(
     {
-        "app": Key(Name("an app"), "The class of the node; its own name if left out."),
-        "device": Key(Name("a device"), "The device that this driver node owns."),
-        "trigger": Key(
-            OneOrMore(TRIGGER), "What activates the node; any one of a list.", required=True
+        "app": Key(Name("an app"), "The class of the node. Default: the node's name."),
+        "device": Key(
+            Name("a device"), "The device that this node owns; the board says which driver it has."
         ),
-        "priority": Key(Integer(1, MOST_LEVELS), "1 (least urgent) to 15 (most)."),
-        "deadline": Key(Period(), "Latest end of an activation after its release."),
-        "budget": Key(Period(), "The most execution time of one activation."),
-        "inputs": Key(Table(INPUT, "an input"), "Input ports and the topics they read."),
+        "trigger": Key(
+            OneOrMore(TRIGGER),
+            "What activates the node. Each trigger of a list activates it.",
+            required=True,
+        ),
+        "priority": Key(Integer(1, MAX_LEVELS), "1 (least urgent) to 15 (most urgent)."),
+        "deadline": Key(Period(), "The latest end of an activation, counted from its release."),
+        "budget": Key(Period(), "The longest execution time of one activation."),
+        "inputs": Key(
+            Table(INPUT, "an input"), "The input ports, and the topic that each one reads."
+        ),
         "outputs": Key(
-            Table(Name("a topic"), "an output"), "Output ports and the topics they publish."
+            Table(Name("a topic"), "an output"),
+            "The output ports, and the topic that each one publishes.",
         ),
         "params": Key(
-            Table(Raw(), "a parameter"), "Values that differ from the interface's defaults."
+            Table(Raw(), "a parameter"),
+            "Parameter values that differ from the defaults of the interface.",
         ),
     },
     reserved={"machine": _LATER},
@@ -107,32 +127,40 @@ NODE = Struct(
 
 TOPIC = Struct(
     {
-        "log": Key(Text(what="all, none or a rate"), "all, none, or a rate such as 50 Hz."),
-        "depth": Key(Integer(1, DEPTHS[-1]), "Samples kept for queue readers: 1, 2, 4, 8 or 16."),
-        "publishers": Key(Choice(("one", "many")), "Whether several nodes may publish at a time."),
+        "log": Key(Text(what="all, none or a rate"), "all, none, or a rate, for example 50 Hz."),
+        "depth": Key(
+            Integer(1, DEPTHS[-1]),
+            "Number of samples that queue readers can fall behind: 1, 2, 4, 8 or 16.",
+        ),
+        "publishers": Key(
+            Choice(("one", "many")), "many: several nodes may publish the topic at the same time."
+        ),
     },
     reserved={"machine": _LATER, "link": _LATER},
 )
 
 GRAPH = Struct(
     {
-        "doc": Key(Text(), "What this graph is."),
-        "board": Key(Name("a board"), "What the graph runs on.", required=True),
-        "include": Key(Listing(INCLUDE), "Files whose content this one builds on."),
-        "topics": Key(Table(TOPIC, "a topic"), "Topics that differ from the defaults."),
-        "nodes": Key(Table(NODE, "a node"), "The nodes.", required=True),
+        "doc": Key(Text(), "What this graph is for."),
+        "board": Key(Name("a board"), "The board that the graph runs on.", required=True),
+        "include": Key(
+            Listing(INCLUDE),
+            "Files to build on. The keys of this file replace the same keys of the included files.",
+        ),
+        "topics": Key(Table(TOPIC, "a topic"), "Settings of topics that differ from the defaults."),
+        "nodes": Key(Table(NODE, "a node"), "The nodes of the graph.", required=True),
         "modes": Key(
             Struct(
                 {
-                    "initial": Key(Name("a mode"), "The mode at the start.", required=True),
+                    "initial": Key(Name("a mode"), "The mode after the start.", required=True),
                     "sets": Key(
                         Table(Listing(Name("a node")), "a mode"),
-                        "The nodes that run in each mode. Nodes in no set always run.",
+                        "The nodes that run in each mode. A node that is in no set always runs.",
                         required=True,
                     ),
                 }
             ),
-            "Sets of nodes that are exchanged in flight.",
+            "Sets of nodes that the vehicle exchanges in flight.",
         ),
         "chains": Key(
             Table(
@@ -140,17 +168,19 @@ GRAPH = Struct(
                     {
                         "path": Key(
                             Listing(Name("a node"), least=2),
-                            "The nodes, first to last.",
+                            "The nodes, from first to last.",
                             required=True,
                         ),
                         "deadline": Key(
-                            Period(), "Latest end after the first node's release.", required=True
+                            Period(),
+                            "The latest end of the last node, counted from the first release.",
+                            required=True,
                         ),
                     }
                 ),
                 "a chain",
             ),
-            "Paths of nodes with an end-to-end deadline.",
+            "Paths through nodes that have an end-to-end deadline.",
         ),
     },
     reserved={"machines": _LATER, "machine": _LATER, "link": _LATER},
@@ -160,35 +190,35 @@ FIELD = Struct(
     {
         "type": Key(
             Text(what="a type"),
-            'bool, float, double, int8 to int64, uint8 to uint64; arrays as "float[3]".',
+            'bool, float, double, int8 to int64, uint8 to uint64, or an array such as "float[3]".',
             required=True,
         ),
-        "unit": Key(UNIT, "Unit of the value."),
-        "frame": Key(Choice(("B", "N")), "Body or local north-east-down."),
+        "unit": Key(UNIT, "The unit of the value."),
+        "frame": Key(Choice(("B", "N")), "The frame: B for body, N for local north-east-down."),
         "values": Key(
             Table(Integer(0, 255), "a value", key_pattern=NAME_PATTERN),
-            "Names of an enumeration's values.",
+            "The names and values of an enumeration.",
         ),
-        "doc": Key(Text(), "What it is.", required=True),
+        "doc": Key(Text(), "What the field is.", required=True),
     }
 )
 MESSAGE = Struct(
     {
-        "doc": Key(Text(), "What one sample is.", required=True),
+        "doc": Key(Text(), "What one sample holds.", required=True),
         "fields": Key(
             Table(FIELD, "a field"),
-            "The fields; `timestamp` comes in front by itself.",
+            "The fields. The compiler adds `timestamp` in front.",
             required=True,
         ),
     }
 )
 
 _MESSAGE = Key(MESSAGE_NAME, "The message type.", required=True)
-_PORT_DOC = Key(Text(), "What it is for.", required=True)
+_PORT_DOC = Key(Text(), "What the port is for.", required=True)
 INPUT_PORT = Struct(
     {
         "message": _MESSAGE,
-        "optional": Key(Boolean(), "An input that a graph need not wire."),
+        "optional": Key(Boolean(), "true: a graph may leave this input unconnected."),
         "doc": _PORT_DOC,
     }
 )
@@ -197,45 +227,47 @@ OUTPUT_PORT = Struct(
         "message": _MESSAGE,
         "burst": Key(
             Integer(1, DEPTHS[-1]),
-            "Most publications of one activation: the depth that readers need which do not outrank "
-            "the node.",
+            "The highest number of publications in one activation. Readers of the same or a lower "
+            "priority need this depth.",
         ),
         "doc": _PORT_DOC,
     }
 )
 PARAM = Struct(
     {
-        "type": Key(Choice(("float", "int32", "bool")), "Type of the value.", required=True),
-        "unit": Key(UNIT, 'Unit of the value; "1" for none.'),
-        "range": Key(Listing(Raw(), least=2, most=2), "Least and most."),
-        "default": Key(Raw(), "The value if the graph says nothing.", required=True),
-        "fixed": Key(Boolean(), "It cannot be changed while the graph runs."),
-        "doc": Key(Text(), "What it does.", required=True),
+        "type": Key(Choice(("float", "int32", "bool")), "The type of the value.", required=True),
+        "unit": Key(UNIT, 'The unit of the value; "1" for no unit.'),
+        "range": Key(Listing(Raw(), least=2, most=2), "[lowest, highest] value."),
+        "default": Key(Raw(), "The value if the graph gives none.", required=True),
+        "fixed": Key(Boolean(), "true: the value cannot change while the graph runs."),
+        "doc": Key(Text(), "What the parameter does.", required=True),
     }
 )
 INTERFACE = Struct(
     {
-        "doc": Key(Text(), "The node's place in the vehicle.", required=True),
+        "doc": Key(Text(), "What the node does in the vehicle.", required=True),
         "lines": Key(
-            Table(Struct({"doc": Key(Text(), "When it comes.", required=True)}), "a line"),
-            "Events of the device (device classes only).",
+            Table(Struct({"doc": Key(Text(), "When the event occurs.", required=True)}), "a line"),
+            "Events of the device. Only device classes have lines.",
         ),
-        "inputs": Key(Table(INPUT_PORT, "an input"), "Input ports."),
-        "outputs": Key(Table(OUTPUT_PORT, "an output"), "Output ports."),
-        "params": Key(Table(PARAM, "a parameter"), "Parameters."),
+        "inputs": Key(Table(INPUT_PORT, "an input"), "The input ports."),
+        "outputs": Key(Table(OUTPUT_PORT, "an output"), "The output ports."),
+        "params": Key(Table(PARAM, "a parameter"), "The parameters."),
         "failsafe": Key(
             Text(rf"{NAME_PATTERN}\.yaml", "a YAML file beside this one"),
-            "The file of a failsafe table, which becomes failsafe_table.hpp.",
+            "The file of a failsafe table; failsafe_table.hpp is generated from it.",
         ),
-        "reads_log": Key(Boolean(), "The node reads every logged topic through a generated table."),
+        "reads_log": Key(
+            Boolean(), "true: the node reads every logged topic through a generated table."
+        ),
         "publishes_params": Key(
-            Boolean(), "The node changes and publishes the parameters of all nodes."
+            Boolean(), "true: the node changes and publishes the parameters of all nodes."
         ),
-        "needs_timer": Key(Boolean(), "One of the node's triggers must be `every`."),
+        "needs_timer": Key(Boolean(), "true: one of the node's triggers must be `every`."),
         "double_precision": Key(
-            Text(r"\S[\s\S]*", "a reason", hint="write what float is not precise enough for"),
-            "Why it computes in double precision, which a chip without instructions for it does in "
-            "software. Without it, such code is refused for these chips.",
+            Text(r"\S[\s\S]*", "a reason", hint="write why float is not precise enough"),
+            "The reason why the node computes in double precision. Chips without double precision "
+            "instructions then compute it in software; without this key, the build refuses it.",
         ),
     }
 )
@@ -247,95 +279,103 @@ DEVICE = Struct(
             Text(
                 "none|[a-z][a-z0-9_]{0,40}/[a-z][a-z0-9_]{0,40}",
                 "a driver",
-                hint="write CLASS/PART as in the folder drivers/, or none",
+                hint="write CLASS/PART, as in the folder drivers/, or none",
             ),
-            "The driver's folder below drivers/, or none.",
+            "The folder of the driver below drivers/, or none.",
             required=True,
         ),
-        "class": Key(Name("a device class"), "The device class, where driver is none."),
-        "bus": Key(Name("a bus"), "The bus it is on."),
+        "class": Key(Name("a device class"), "The device class; required if `driver` is none."),
+        "bus": Key(Name("a bus"), "The bus of the device."),
         "pins": Key(
-            Table(Text(PIN, "a pin", hint="write port and number, such as PC2"), "a pin"),
-            "Its pins.",
+            Table(Text(PIN, "a pin", hint="write port and number, for example PC2"), "a pin"),
+            "The pins of the device.",
         ),
         "lines": Key(
             Table(OneOrMore(Text("[A-Za-z0-9_]{1,40}", "a pin or a peripheral")), "a line"),
-            "The pin or peripheral of each line; a list if several raise it.",
+            "The pin or peripheral that raises each line; a list if there are several.",
         ),
         "bytes_per_s": Key(
-            Integer(1, 2**31 - 1), "Of a storage: what it takes in the long run, in a second."
+            Integer(1, 2**31 - 1), "The write speed that a storage sustains, in bytes per second."
         ),
     }
 )
 MEMORY = Struct(
     {
         "at": Key(
-            Text("0x[0-9A-Fa-f]{1,8}", "an address", hint='write it as "0x20000000"'),
-            "Where it begins.",
+            Text(
+                "0x[0-9A-Fa-f]{1,8}",
+                "an address",
+                hint='write it in hexadecimal, for example "0x20000000"',
+            ),
+            "The first address.",
             required=True,
         ),
-        "bytes": Key(Integer(1, 2**32 - 1), "How large it is.", required=True),
+        "bytes": Key(Integer(1, 2**32 - 1), "The size in bytes.", required=True),
     }
 )
 UPLOAD = Struct(
     {
         "board_id": Key(
-            Integer(1, 65535), "What its bootloader and ground stations know it as.", required=True
+            Integer(1, 65535),
+            "The number that the bootloader and ground stations know this board by.",
+            required=True,
         ),
         "pyocd_target": Key(
-            Text("[a-z0-9]{1,40}", "a target of pyOCD"), "What pyOCD calls its chip."
+            Text("[a-z0-9]{1,40}", "a target of pyOCD"), "The name of the chip in pyOCD."
         ),
     }
 )
 BOARD = Struct(
     {
         "doc": Key(Text(), "What the board is."),
-        "executor": Key(
-            Choice(("cortex_m", "pthread", "virtual")), "Which runtime.", required=True
-        ),
+        "executor": Key(Choice(("cortex_m", "pthread", "virtual")), "The runtime.", required=True),
         "chip": Key(
-            Text(rf"{_PATH_PART}(/{_PATH_PART}){{0,3}}", "a chip file such as stm32f4/stm32f427"),
-            "The chip's file below boards/, without .yaml.",
+            Text(rf"{_PATH_PART}(/{_PATH_PART}){{0,3}}", "a chip, for example stm32f4/stm32f427"),
+            "The file of the chip below boards/, without .yaml.",
         ),
         "reserved_vectors": Key(
             Listing(Text("[a-z0-9_]{1,40}", "a vector")),
-            "Vectors the board itself needs; no task gets them.",
+            "Vectors that the board itself needs. No task gets one of them.",
         ),
         "interrupts": Key(
             Listing(Text("[a-z0-9_]{1,40}", "a vector")),
-            "Vectors whose handlers are the board's own code; no task gets them.",
+            "Vectors with handlers in the board's own code. No task gets one of them.",
         ),
         "memory": Key(
             Table(MEMORY, "a memory"),
-            "Memories that differ from the chip's, such as a flash that begins with a bootloader.",
+            "Memories that differ from the chip's, for example a flash that a bootloader shares.",
         ),
-        "upload": Key(UPLOAD, "How firmware gets onto it, for `build` and `flash`."),
+        "upload": Key(UPLOAD, "How `build` and `flash` make and load firmware for this board."),
         "devices": Key(
-            Table(DEVICE, "a device"), "The devices and what drives them.", required=True
+            Table(DEVICE, "a device"),
+            "The devices of the board, and the driver of each one.",
+            required=True,
         ),
     }
 )
 CHIP = Struct(
     {
-        "doc": Key(Text(), "The chip, and the manual behind this file."),
-        "core": Key(Text(), "The core.", required=True),
+        "doc": Key(Text(), "What the chip is, and the manual that this file comes from."),
+        "core": Key(Text(), "The processor core.", required=True),
         "clock": Key(
             Text(
                 "[1-9][0-9]{0,3} MHz",
                 "a frequency in MHz",
-                hint="write whole megahertz, such as 168 MHz",
+                hint="write whole megahertz, for example 168 MHz",
             ),
-            "Core clock.",
+            "The frequency of the core's clock.",
             required=True,
         ),
-        "priority_bits": Key(Integer(2, 8), "Bits of an NVIC priority.", required=True),
-        "memory": Key(Table(MEMORY, "a memory"), "Name: {at, bytes}; flash, ram and ccm."),
+        "priority_bits": Key(
+            Integer(2, 8), "The number of bits of an NVIC priority.", required=True
+        ),
+        "memory": Key(Table(MEMORY, "a memory"), "The memories: flash, ram and ccm."),
         "vectors": Key(
             Table(Integer(0, 239), "a vector", key_pattern=NAME_PATTERN),
-            "Interrupt lines the chip really has.",
+            "The interrupt lines that the chip has, and their numbers.",
             required=True,
         ),
     }
 )
-# graph/budgets/BOARD.yaml: the most execution time of each node, as measured on that board.
+# graph/budgets/BOARD.yaml: the longest execution time of each node, measured on that board.
 BUDGETS = Table(Period(), "a node")

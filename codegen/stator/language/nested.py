@@ -7,7 +7,16 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
-from stator.language.shapes import NAME_PATTERN, Leaf, Record, Shape, check_name, misshaped, quoted
+from stator.language.shapes import (
+    NAME_HINT,
+    NAME_PATTERN,
+    Leaf,
+    Record,
+    Shape,
+    check_name,
+    misshaped,
+    quoted,
+)
 from stator.language.yaml_tree import Mapping, Scalar, Sequence, Tree
 
 if TYPE_CHECKING:
@@ -32,10 +41,11 @@ class Listing:
             report.error(
                 tree.mark,
                 "out-of-range",
-                f"the list has {len(tree.items)} of {due} items",
-                "add what is missing, or remove the key"
+                f"expected a list of {due} {'item' if due.endswith(' 1') else 'items'}, "
+                f"found {len(tree.items)}",
+                "add items, or remove the key"
                 if len(tree.items) < self.least
-                else "remove what is too much",
+                else f"remove {len(tree.items) - self.most} of them",
             )
             return None
         items = [self.item.read(item, report) for item in tree.items]
@@ -56,7 +66,7 @@ class Table:
 
     def read(self, tree: Tree, report: Report) -> Record | None:
         if not isinstance(tree, Mapping):
-            misshaped(tree, "a mapping", report, f"write {self.what} and its value, as NAME: VALUE")
+            misshaped(tree, "a mapping", report, f"write {self.what} and its value as NAME: VALUE")
             return None
         values: dict[str, Any] = {}
         for key, item in tree.entries.items():
@@ -75,8 +85,8 @@ class Table:
         report.error(
             mark,
             "bad-name",
-            f"{quoted(key)} cannot be {self.what}",
-            "use lower case letters, digits and underscores, a letter first, 63 at most",
+            f"expected {self.what}, found {quoted(key)}",
+            NAME_HINT,
         )
         return False
 
@@ -94,6 +104,12 @@ class Key:
     doc: str
     required: bool = False
 
+    @property
+    def purpose(self) -> str:
+        """The first sentence of `doc`, as the end of another sentence."""
+        first = self.doc.split(". ")[0].rstrip(".")
+        return first[:1].lower() + first[1:]
+
 
 @dataclass(frozen=True)
 class Struct:
@@ -109,7 +125,7 @@ class Struct:
 
     def read(self, tree: Tree, report: Report) -> Record | None:
         if not isinstance(tree, Mapping):
-            misshaped(tree, "a mapping", report, "its keys: " + ", ".join(self.keys))
+            misshaped(tree, "a mapping", report, "known keys: " + ", ".join(self.keys))
             return None
         values: dict[str, Any] = {}
         for name, item in tree.entries.items():
@@ -125,8 +141,8 @@ class Struct:
                 report.error(
                     tree.owner,
                     "missing-key",
-                    f"key '{name}' is missing",
-                    f"{name}: {self.keys[name].doc}",
+                    f"missing key '{name}'",
+                    f"add `{name}`: {self.keys[name].purpose}",
                 )
         return Record(values, tree.mark, tree.keys, tree.owner)
 
@@ -139,16 +155,14 @@ class Struct:
             report.error(
                 mark,
                 "reserved-key",
-                f"key '{name}' is kept for later: {self.reserved[name]}",
-                "remove it",
+                f"key '{name}' is reserved: {self.reserved[name]}",
+                "remove the key",
             )
             return
         hint = report.nearest(name, self.keys)
         if isinstance(item, Scalar) and item.is_null and (" " in name or ":" in name):
-            hint = (
-                "text with a comma in it stands in quotes; so does a value behind ':' without space"
-            )
-        report.error(mark, "unknown-key", f"there is no key {quoted(name)} here", hint)
+            hint = "quote text that contains a comma, and write a space after ':'"
+        report.error(mark, "unknown-key", f"unknown key {quoted(name)}", hint)
 
     def schema(self) -> dict[str, Any]:
         properties = {}

@@ -1,4 +1,4 @@
-"""Times in a graph: with a unit, or as the rate whose period they are; whole microseconds."""
+"""Times in a graph: a time with a unit, or a rate, which stands for its period."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Period:
-    """A time, also written as the rate whose period it is; whole microseconds."""
+    """A time in whole microseconds, written as a time or as a rate."""
 
     least_us: int = 1
     most_us: int = 3_600_000_000
@@ -44,34 +44,39 @@ def _period(text: str, least_us: int, most_us: int) -> tuple[int, tuple[str, str
     if parts is None:
         return 0, (
             "wrong-type",
-            f"{quoted(text)} is not a time",
+            f"expected a time with its unit, found {quoted(text)}",
             "write a number and a unit, for example 250 us or 1 kHz",
         )
     number, unit = parts
     if unit == "":
         return 0, (
             "unit-missing",
-            f"{quoted(text)} has no unit",
-            f"for example {text} us, {text} ms or {text} Hz",
+            f"expected a time with its unit, found {quoted(text)}",
+            f"add the unit, for example {text} us, {text} ms or {text} Hz",
         )
     if unit not in UNITS:
         same = [known for known in UNITS if known.lower() == unit.lower()]
         return 0, (
             "unit-unknown",
-            f"{quoted(unit)} is not a unit of time",
+            f"unknown unit of time {quoted(unit)}",
             f"write {same[0]}" if same else f"use {', '.join(UNITS)}",
         )
     dimension, factor = UNITS[unit]
     exact = number * factor
     if dimension == "frequency":
         if exact <= 0:
-            return 0, ("out-of-range", f"{quoted(text)} has no period", "write a rate above 0 Hz")
+            return 0, (
+                "out-of-range",
+                f"expected a rate above 0 Hz, found {quoted(text)}",
+                "write a rate above 0 Hz",
+            )
         exact = 1_000_000 / exact
     too_short = exact < 0 or (exact.denominator == 1 and exact < least_us)
     if too_short or exact > most_us:
         return 0, (
             "out-of-range",
-            f"{quoted(text)} is not between {spelled_us(least_us)} and {spelled_us(most_us)}",
+            f"expected a time from {spelled_us(least_us)} to {spelled_us(most_us)}, "
+            f"found {quoted(text)}",
             f"write {spelled_us(least_us)} or more"
             if too_short
             else f"write {spelled_us(most_us)} or less",
@@ -79,14 +84,15 @@ def _period(text: str, least_us: int, most_us: int) -> tuple[int, tuple[str, str
     if exact.denominator != 1:
         return 0, (
             "period-not-whole",
-            f"{quoted(text)} is {shown(exact)} us, not a whole number of microseconds",
+            f"expected a whole number of microseconds, found {quoted(text)}"
+            + ("" if unit == "us" else f", which is {shown(exact)} us"),
             "write " + " or ".join(_neighbours(exact, dimension)),
         )
     return int(exact), None
 
 
 def _neighbours(exact: Fraction, dimension: str) -> list[str]:
-    """The next whole microseconds on both sides; of a rate also as rates."""
+    """The nearest whole microseconds below and above; for a rate, also as rates."""
     found = [us for us in (int(exact), int(exact) + 1) if us]
     if dimension != "frequency":
         return [f"{us} us" for us in found]

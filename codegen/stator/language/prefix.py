@@ -11,8 +11,7 @@ if TYPE_CHECKING:
 
 
 def prefixed(part: Mapping, prefix: str) -> Mapping:
-    """The part with `prefix` before its node names, chains and the topics that it publishes,
-    wherever those stand."""
+    """The part with `prefix` in front of its nodes, chains and the topics that it publishes."""
     nodes = part.entries.get("nodes")
     if not isinstance(nodes, Mapping):
         return part
@@ -41,7 +40,7 @@ def prefixed(part: Mapping, prefix: str) -> Mapping:
 
 
 def _node(name: str, tree: Tree, nodes: Mapping, topic: Callable[[Tree], Tree]) -> Tree:
-    """A node whose app is left out has the app of its old name."""
+    """The node, renamed topics included. If it names no app, its old name is its app."""
     if not isinstance(tree, Mapping):
         return tree
     tree = _at(tree, "outputs", lambda outputs: _each(outputs, topic))
@@ -87,7 +86,7 @@ def _each(tree: Tree, change: Callable[[Tree], Tree]) -> Tree:
 
 
 def _at(tree: Tree, key: str, change: Callable[[Tree], Tree]) -> Tree:
-    """The value of one key changed, where there is one."""
+    """The mapping with the value of one key changed, if it has the key."""
     if not isinstance(tree, Mapping) or key not in tree.entries:
         return tree
     return tree._replace(entries={**tree.entries, key: change(tree.entries[key])})

@@ -1,5 +1,5 @@
 """The shapes that single values in a file can have. Each shape reads a tree, reports what is wrong
-with it, and describes itself as JSON Schema, so that checker and editors never disagree."""
+with it, and describes itself as JSON Schema, so that checker and editors agree."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from stator.language.yaml_tree import Mapping, Scalar, Sequence, Tree
 from stator.names import reserved_reason
 
 NAME_PATTERN = "[a-z][a-z0-9_]{0,62}"
+NAME_HINT = "use at most 63 lower case letters, digits and underscores; begin with a letter"
 _NAME = re.compile(NAME_PATTERN)
 _INTEGER = re.compile(r"[+-]?(0|[1-9][0-9]{0,18})")
-GRAPH_NAME = "the name of a graph, which is its file's"  # never a name in C++
+GRAPH_NAME = "a graph name (the name of its file)"  # never a name in C++
 VARIABLE = re.compile(r"\$\{([^}]*)\}")
 _QUOTED_LENGTH = 60
 
@@ -54,22 +55,22 @@ def items(record: Record, key: str) -> list[tuple[str, Any]]:
 
 class Shape(Protocol):
     def read(self, tree: Tree, report: Report) -> Any:
-        """The value of the tree, or None after reporting why there is none."""
+        """The value of the tree; None after reporting what is wrong."""
 
     def schema(self) -> dict[str, Any]:
         """The shape as JSON Schema."""
 
 
 def misshaped(tree: Tree, what: str, report: Report, hint: str = "") -> None:
-    """Says that something of another shape is due."""
+    """Reports a value of another shape than `what`."""
     if isinstance(tree, Scalar) and tree.is_null:
         report.error(
             tree.mark,
             "wrong-shape",
-            f"{what} is due here, and there is nothing",
-            "null removes only what an include brings"
+            f"expected {what}, found null" if tree.text else f"expected {what}, found nothing",
+            "null only removes a key that an include defines"
             if tree.text
-            else hint or "remove the key, or write its value",
+            else hint or "write a value, or remove the key",
         )
         return
     kind = (
@@ -77,13 +78,13 @@ def misshaped(tree: Tree, what: str, report: Report, hint: str = "") -> None:
         if isinstance(tree, Mapping)
         else "a list"
         if isinstance(tree, Sequence)
-        else f"the single value {quoted(tree.text)}"
+        else quoted(tree.text)
     )
     report.error(
         tree.mark,
         "wrong-shape",
-        f"{what} is due here, not {kind}",
-        hint or "write a single value; text that begins with a bracket stands in quotes",
+        f"expected {what}, found {kind}",
+        hint or "write a single value; quote text that begins with a bracket",
     )
 
 
@@ -95,8 +96,8 @@ def scalar(tree: Tree, what: str, report: Report) -> Scalar | None:
         report.error(
             tree.mark,
             "variable-unknown",
-            f"{tree.text[:60]} has no value",
-            "include this file from another one, with `with`",
+            f"variable {tree.text[:60]} has no value",
+            "include this file from another file, and give the value in `with`",
         )
         return None
     misshaped(tree, what, report)
@@ -110,7 +111,7 @@ class Name:
     what: str = "a name"
 
     def read(self, tree: Tree, report: Report) -> Leaf | None:
-        found = scalar(tree, self.what, report)
+        found = scalar(tree, _as_name(self.what), report)
         if found is None or not check_name(found.text, found.mark, self.what, report):
             return None
         return Leaf(found.text, found.mark)
@@ -132,21 +133,30 @@ def _name_fault(text: str, what: str) -> tuple[str, str, str] | None:
     if "${" in text:
         return (
             "bad-name",
-            f"{quoted(text)} cannot be {what}",
-            "${name} stands for a whole value, never for a part of one or for a key",
+            f"expected {_as_name(what)}, found {quoted(text)}",
+            "write ${name} for a whole value; it cannot be a part of a value, or a key",
         )
     if not _NAME.fullmatch(text):
         return (
             "bad-name",
-            f"{quoted(text)} cannot be {what}",
-            "use lower case letters, digits and underscores, a letter first, 63 at most",
+            f"expected {_as_name(what)}, found {quoted(text)}",
+            NAME_HINT,
         )
     reason = "" if what == GRAPH_NAME else reserved_reason(text, what)
     if reason:
         plain = re.sub("_+", "_", text.strip("_"))
         plain = f"my_{plain}" if reserved_reason(plain, what) else plain
-        return "reserved-name", f"'{text}' cannot be {what}: {reason}", f"for example '{plain}'"
+        return (
+            "reserved-name",
+            f"'{text}' cannot be {_as_name(what)}: {reason}",
+            f"rename it, for example to '{plain}'",
+        )
     return None
+
+
+def _as_name(what: str) -> str:
+    """`a node` -> `a node name`"""
+    return what if "name" in what else f"{what} name"
 
 
 def quoted(text: str) -> str:
@@ -169,7 +179,10 @@ class Text:
             return None
         if self.pattern and not re.fullmatch(self.pattern, found.text):
             report.error(
-                found.mark, self.rule, f"{quoted(found.text)} is not {self.what}", self.hint
+                found.mark,
+                self.rule,
+                f"expected {self.what}, found {quoted(found.text)}",
+                self.hint,
             )
             return None
         return Leaf(found.text, found.mark)
@@ -195,7 +208,7 @@ class Choice:
             report.error(
                 found.mark,
                 "wrong-type",
-                f"{quoted(found.text)} is not {what}",
+                f"expected {what}, found {quoted(found.text)}",
                 report.nearest(found.text, self.words)
                 if get_close_matches(found.text, self.words)
                 else f"write {what}",
@@ -217,7 +230,7 @@ class Boolean:
             report.error(
                 found.mark,
                 "wrong-type",
-                f"{quoted(found.text)} is not true or false",
+                f"expected true or false, found {quoted(found.text)}",
                 "write true or false",
             )
             return None
@@ -240,8 +253,8 @@ class Integer:
             report.error(
                 found.mark,
                 "wrong-type",
-                f"{quoted(found.text)} is not a whole number",
-                f"write one from {self.least} to {self.most}, without leading zeros",
+                f"expected a whole number, found {quoted(found.text)}",
+                f"write a number from {self.least} to {self.most}, without leading zeros",
             )
             return None
         value = int(found.text)
@@ -249,8 +262,10 @@ class Integer:
             report.error(
                 found.mark,
                 "out-of-range",
-                f"{value} is not between {self.least} and {self.most}",
-                f"write {self.least if value < self.least else self.most}, or a number in between",
+                f"expected a number from {self.least} to {self.most}, found {value}",
+                f"write {self.least} or more"
+                if value < self.least
+                else f"write {self.most} or less",
             )
             return None
         return Leaf(value, found.mark)
@@ -263,7 +278,7 @@ class Integer:
 class Raw:
     """A scalar whose type another file declares."""
 
-    may_be_variable: bool = False  # one that an including file gives its value
+    may_be_variable: bool = False  # ${name}, whose value an including file gives
 
     def read(self, tree: Tree, report: Report) -> Scalar | None:
         if self.may_be_variable and isinstance(tree, Scalar) and not tree.is_null:

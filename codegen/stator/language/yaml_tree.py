@@ -1,8 +1,8 @@
 """YAML text to a tree that knows the line and column of every key and value.
 
-Scalars stay text: what they mean is decided by the key that holds them, so that `on`, `010`,
-`12:30` and `1e3` never turn into something else on the way. Anchors, aliases, tags and duplicate
-keys are refused, nesting and size are bounded, and nothing here recurses.
+Scalars stay text, so that `on`, `010`, `12:30` and `1e3` do not change: the key that holds a
+scalar decides what it means. Anchors, aliases, tags and duplicate keys are refused. Nesting and
+size have limits, and no function here calls itself.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import yaml
 
-from stator.diagnostics import MOST_BYTES, Mark, Report, beside, shown_path
+from stator.diagnostics import MAX_BYTES, Mark, Report, beside, shown_path
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-MOST_DEPTH = 32
+MAX_DEPTH = 32
 _REFUSED = re.compile(
     "[^\t\n\r\x20-\x7e\x85\xa0-\u1fff\u2010-\u2027\u2030-\u205f\u2070-\ud7ff\ue000-\ufefe\uff00-\ufffd"
     "\U00010000-\U0010ffff]"
-)  # what YAML refuses, and what hides or reorders the text around it
+)  # characters that YAML refuses, that are invisible, or that reorder the text around them
 
 
 class Scalar(NamedTuple):
@@ -51,26 +51,26 @@ Tree: TypeAlias = Scalar | Sequence | Mapping
 
 
 def load(path: Path, report: Report) -> Tree | None:
-    """Reads one file; None if it could not be understood (then the report says why)."""
+    """Reads one file; None after reporting why it cannot be read."""
     start = Mark(path, 1, 1)
     try:
         state = path.stat()
         if not stat.S_ISREG(state.st_mode):
-            what = "a folder" if stat.S_ISDIR(state.st_mode) else "no regular file"
+            what = "a folder" if stat.S_ISDIR(state.st_mode) else "a device or socket"
             report.error(
                 start,
                 "file-missing",
-                f"cannot read the file: it is {what}",
+                f"expected a file, found {what}",
                 report.nearest(
                     "", [shown_path(graph) for graph in sorted(path.glob("*.yaml"))[:8]]
                 ),
             )
             return None
-        if state.st_size > MOST_BYTES:
+        if state.st_size > MAX_BYTES:
             report.error(
                 start,
                 "file-too-large",
-                f"the file has {state.st_size} bytes, more than {MOST_BYTES}",
+                f"expected a file of at most {MAX_BYTES} bytes, found {state.st_size}",
                 "split the graph with `include`",
             )
             return None
@@ -81,16 +81,16 @@ def load(path: Path, report: Report) -> Tree | None:
         report.error(
             Mark(path, before.count(b"\n") + 1, column),
             "encoding",
-            f"not UTF-8 text: {error.reason}",
+            f"expected UTF-8 text: {error.reason}",
             "save the file as UTF-8",
         )
         return None
     except OSError as error:
         others = [shown_path(other) for other in sorted(path.parent.glob("*.yaml"))[:200]]
-        hint = "make it a file that you may read"
+        hint = "check the permissions of the file"
         if isinstance(error, FileNotFoundError | NotADirectoryError):
             nearest = report.nearest(shown_path(path), others)
-            hint = nearest or "name a graph file, such as graph/quad.yaml"
+            hint = nearest or "give a graph file, for example graph/quad.yaml"
         report.error(start, "file-missing", f"cannot read the file: {error.strerror}", hint)
         return None
     return parse(text, path, report)
@@ -115,11 +115,11 @@ def parse(text: str, path: Path, report: Report) -> Tree | None:
         report.error(
             Mark(path, line, column),
             "yaml-syntax",
-            f"not YAML: {error.problem}",
+            f"invalid YAML: {error.problem}",
             _syntax_hint(error, text.splitlines(), line, column, builder.innermost),
         )
     except yaml.YAMLError as error:
-        report.error(Mark(path, 1, 1), "yaml-syntax", f"not YAML: {str(error).splitlines()[0]}")
+        report.error(Mark(path, 1, 1), "yaml-syntax", f"invalid YAML: {str(error).splitlines()[0]}")
     return None
 
 
@@ -127,7 +127,7 @@ def _refuse_character(mark: Mark, character: str, report: Report) -> None:
     report.error(
         mark,
         "encoding",
-        f"the character U+{ord(character):04X} cannot stand in a file",
+        f"character U+{ord(character):04X} is not allowed",
         "remove it; it is invisible or a control character",
     )
 
@@ -140,21 +140,21 @@ def _syntax_hint(
     if "\t" in shown[: len(shown) - len(shown.lstrip())] or shown[column - 1 : column] == "\t":
         return "indent with spaces, not with tabs"
     if "mapping values are not allowed" in problem:
-        return "text with ': ' in it stands in quotes; or the indentation of this line is off"
+        return "quote text that contains ': ', or correct the indentation of this line"
     if innermost is not None and "flow" in (error.context or ""):
         bracket = lines[innermost.line - 1][innermost.column - 1 : innermost.column]
-        return f"the '{bracket}' in line {innermost.line}, column {innermost.column} is not closed"
+        return f"close the '{bracket}' of line {innermost.line}, column {innermost.column}"
     if "quoted scalar" in (error.context or ""):
-        return "this quote is not closed"
+        return "close this quote"
     if "block" in (error.context or "") or "expected ':'" in problem:
-        return "the indentation of this line does not fit the lines above, or a ':' is missing"
+        return "indent this line like the lines above, or add the missing ':'"
     if "cannot start any token" in problem:
-        return "text that begins with this character stands in quotes"
+        return "quote text that begins with this character"
     return ""
 
 
 class _Open:
-    """A collection whose end has not come yet."""
+    """A list or mapping whose end is not read yet."""
 
     __slots__ = ("entries", "items", "key", "key_mark", "keys", "mark", "skip")
 
@@ -177,12 +177,12 @@ class _Builder:
 
     @property
     def innermost(self) -> Mark | None:
-        """The last collection that is still open."""
+        """The innermost list or mapping that is still open."""
         return self._stack[-1].mark if self._stack else None
 
     def build(self, text: str) -> Tree | None:
-        """One pass over the events; stops at the first thing that is refused, except that all
-        duplicate keys are reported."""
+        """One pass over the events. It stops at the first error, except for duplicate keys, which
+        are all reported."""
         documents = 0
         for event in yaml.parse(text, Loader=yaml.CSafeLoader):
             if isinstance(event, yaml.ScalarEvent):
@@ -210,7 +210,7 @@ class _Builder:
                     self._report.error(
                         self._mark(event),
                         "yaml-documents",
-                        "a second document in one file",
+                        "expected one document, found a second one",
                         "remove the line `---`",
                     )
                     return None
@@ -218,15 +218,15 @@ class _Builder:
             self._report.error(
                 Mark(self._path, 1, 1),
                 "yaml-empty",
-                "the file has no content",
-                "write it, or remove the file",
+                "the file is empty",
+                "write its content, or remove the file",
             )
             return None
         return self._root
 
     def _mark(self, event: yaml.Event) -> Mark:
         place = event.start_mark
-        assert place is not None  # only events that are made by hand have none
+        assert place is not None  # the parser sets it
         return Mark(self._path, place.line + 1, place.column + 1)
 
     def _collection(self, is_mapping: bool, mark: Mark) -> Sequence | Mapping:
@@ -239,8 +239,8 @@ class _Builder:
         self._report.error(
             mark,
             "yaml-alias",
-            f"{what} is refused",
-            "write the value again, or use `include` with `with`",
+            f"{what} is not allowed",
+            "repeat the value, or use `include` with `with`",
         )
 
     def _is_plain(self, event: yaml.ScalarEvent | yaml.CollectionStartEvent, mark: Mark) -> bool:
@@ -251,14 +251,14 @@ class _Builder:
             self._report.error(
                 mark,
                 "yaml-tag",
-                f"tag '{event.tag}' is refused",
-                "remove the tag; the key says what type its value has",
+                f"tag '{event.tag}' is not allowed",
+                "remove the tag; the key defines the type of its value",
             )
             return False
         return True
 
     def _is_shown(self, text: str, mark: Mark) -> bool:
-        """Escapes such as \\0 bring in characters that the file itself could not hold."""
+        """An escape such as \\0 can stand for a character that is not allowed in the file."""
         refused = None if text.isprintable() else _REFUSED.search(text)
         if refused is None:
             return True
@@ -266,13 +266,13 @@ class _Builder:
         return False
 
     def _is_shallow(self, mark: Mark) -> bool:
-        if len(self._stack) < MOST_DEPTH:
+        if len(self._stack) < MAX_DEPTH:
             return True
         self._report.error(
             mark,
             "yaml-depth",
-            f"nested deeper than {MOST_DEPTH} levels",
-            "no file of Stator needs more than eight",
+            f"expected at most {MAX_DEPTH} levels of nesting, found more",
+            "nest less: a graph needs at most eight levels",
         )
         return False
 
@@ -297,8 +297,8 @@ class _Builder:
             self._report.error(
                 key.mark,
                 "wrong-shape",
-                "a key must be a name",
-                "text that begins with a bracket stands in quotes",
+                f"expected a key, found {'a list' if isinstance(key, Sequence) else 'a mapping'}",
+                "quote text that begins with a bracket",
             )
             return False
         top.key, top.key_mark = key.text, key.mark
@@ -308,7 +308,7 @@ class _Builder:
             self._report.error(
                 key.mark,
                 "duplicate-key",
-                f"key '{key.text[:60]}' stands here twice",
-                f"the other one is in {beside(key.mark, first)}; keep one of them",
+                f"duplicate key '{key.text[:60]}'",
+                f"first one: {beside(key.mark, first)}; keep one of them",
             )
         return True

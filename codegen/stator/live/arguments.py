@@ -1,4 +1,4 @@
-"""Arguments of the commands that talk to something that runs."""
+"""Arguments of the commands that talk to a running vehicle."""
 
 from __future__ import annotations
 
@@ -17,9 +17,12 @@ def add_link_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         default=DEFAULT,
         metavar="PATH",
-        help="socket or serial port of what runs (default: that of run, or of emulate --link)",
+        help="socket or serial port of the vehicle (default: the socket of run or emulate --link)",
     )
     parser.add_argument(
-        "--graph", type=Path, metavar="FILE", help="the graph's file, if it is none of Stator's own"
+        "--graph",
+        type=Path,
+        metavar="FILE",
+        help="graph file, if it is not one of Stator's own graphs",
     )
-    parser.add_argument("--json", action="store_true", help="print what programs read")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")

@@ -1,4 +1,4 @@
-"""What a run of firmware that failed has left for the next one, in words."""
+"""The fault record that failed firmware leaves for the next run, as text."""
 
 from __future__ import annotations
 
@@ -16,32 +16,32 @@ if TYPE_CHECKING:
     from stator.plan.plan import Plan, Task
 
 HEADER = "runtime/cortex_m/stator/fault_record.hpp"
-MOST_RESETS = constant(HEADER, "kMaxResets")  # then the next start is one in safe mode
+MAX_RESETS = constant(HEADER, "kMaxResets")  # after these, the firmware starts in safe mode
 LAYOUT = layout(HEADER, "FaultRecord")
 PRINTED = re.compile(r"^stator: record ([0-9a-f]+)$", re.MULTILINE)
 
 FAULT, ASSERTION, WATCHDOG = 1, 2, 3
 EXCEPTIONS = {2: "NMI", 3: "HardFault", 4: "MemManage", 5: "BusFault", 6: "UsageFault"}
-# ARMv7-M Architecture Reference Manual (DDI 0403E), B3.2.15; what a person calls it, if he does.
+# ARMv7-M Architecture Reference Manual (DDI 0403E), B3.2.15; and a text, if there is a useful one.
 STATUS = {
-    0: ("IACCVIOL", "ran what is no code"),
-    1: ("DACCVIOL", "accessed memory that is protected"),
+    0: ("IACCVIOL", "executed data that is not code"),
+    1: ("DACCVIOL", "accessed protected memory"),
     3: ("MUNSTKERR", ""),
-    4: ("MSTKERR", "the stack was full"),
+    4: ("MSTKERR", "stack overflow"),
     5: ("MLSPERR", ""),
     7: ("MMARVALID", ""),
-    8: ("IBUSERR", "ran where there is no memory"),
-    9: ("PRECISERR", "accessed what is not there"),
-    10: ("IMPRECISERR", "wrote to what is not there"),
+    8: ("IBUSERR", "executed at an address without memory"),
+    9: ("PRECISERR", "accessed an address without memory"),
+    10: ("IMPRECISERR", "wrote to an address without memory"),
     11: ("UNSTKERR", ""),
-    12: ("STKERR", "the stack was full"),
+    12: ("STKERR", "stack overflow"),
     13: ("LSPERR", ""),
     15: ("BFARVALID", ""),
-    16: ("UNDEFINSTR", "ran what is no instruction"),
-    17: ("INVSTATE", "branched to what is no Thumb code"),
-    18: ("INVPC", "returned with a broken stack"),
-    19: ("NOCP", "used a coprocessor that is off"),
-    24: ("UNALIGNED", "accessed memory unaligned"),
+    16: ("UNDEFINSTR", "executed an undefined instruction"),
+    17: ("INVSTATE", "branched to code that is not Thumb"),
+    18: ("INVPC", "returned from an exception with a damaged stack"),
+    19: ("NOCP", "used a disabled coprocessor"),
+    24: ("UNALIGNED", "accessed unaligned memory"),
     25: ("DIVBYZERO", "divided by zero"),
 }
 # runtime/cortex_m/guards.cpp
@@ -61,7 +61,7 @@ class FaultRecord:
     hard_status: int
     memory_address: int
     bus_address: int
-    frame: tuple[int, ...]  # r0 to r3, r12, lr, pc, xpsr; zeros if it could not be read
+    frame: tuple[int, ...]  # r0 to r3, r12, lr, pc, xpsr; zeros if unreadable
     saved: tuple[int, ...]
     active_vectors: tuple[int, ...]
     nested: int
@@ -79,9 +79,9 @@ class FaultRecord:
 
 
 def decode(data: bytes) -> FaultRecord:
-    """Raises `ValueError` if it has another length."""
+    """Raises `ValueError` for a record of another length."""
     if len(data) != LAYOUT.packed.size:
-        raise ValueError(f"a record has {LAYOUT.packed.size} bytes, this one {len(data)}")
+        raise ValueError(f"expected a record of {LAYOUT.packed.size} bytes, found {len(data)}")
     fields: dict[str, Any] = LAYOUT.read(data)
     one = {name: values[0] for name, values in fields.items()}
     count, ring = one["activation_count"], fields["activations"]
@@ -120,7 +120,7 @@ def active_tasks(record: FaultRecord, plan: Plan) -> list[Task]:
 
 
 def records_in(text: str) -> list[FaultRecord]:
-    """Those that firmware printed on the emulator's console."""
+    """The records that firmware printed on the emulator's console."""
     return [decode(bytes.fromhex(found)) for found in PRINTED.findall(text)]
 
 
@@ -134,21 +134,23 @@ def in_words(text: str, plan: Plan, image: Path) -> str:
 def explain(record: FaultRecord, plan: Plan, image: Path | None = None) -> list[str]:
     """Lines for a person. `image`: to name the function."""
     if record.graph_hash != graph_hash(plan)[: len(record.graph_hash)]:
-        return [f"error: the firmware ended: {what_happened(record)}; its graph is another one"]
+        return [
+            f"error: the firmware ended: {what_happened(record)} (it was built from another graph)"
+        ]
     running = active_tasks(record, plan)
-    where = f" in task {running[0].node.name}" if running else " in no task"
+    where = f" in task {running[0].node.name}" if running else " outside tasks"
     rows = [f"error: the firmware ended{where}: {what_happened(record)}"]
     if record.silent_task is not None:
-        rows.append(f"  no life sign of task {plan.tasks[record.silent_task].node.name}")
+        rows.append(f"  missing life sign of task {plan.tasks[record.silent_task].node.name}")
     at = f"{record.program_counter:#010x}"
     rows.append(f"  at {at} {_function(image, record.program_counter)}".rstrip())
     rows.append(
-        f"  after {record.uptime_us * 1e-6:.6f} s; reset {record.resets} within 10 s, "
-        f"{MOST_RESETS} end in safe mode"
+        f"  after {record.uptime_us * 1e-6:.6f} s; reset {record.resets} within 10 s "
+        f"(safe mode after {MAX_RESETS})"
     )
     rows.append(f"  {_exception(record)}")
     if record.nested:
-        rows.append(f"  a fault inside the fault: {_name(record.nested)}")
+        rows.append(f"  second fault in the fault handler: {_name(record.nested)}")
     levels = ", ".join(f"{task.level} {task.node.name}" for task in running)
     rows.append(f"  running by level: {levels or 'none'}")
     if record.activations:
@@ -160,18 +162,18 @@ def what_happened(record: FaultRecord) -> str:
     if record.cause == ASSERTION:
         return record.what
     if record.cause == WATCHDOG:
-        return "the watchdog was not kicked"
+        return "the watchdog was not reset in time"
     address = _address(record)
     if address is not None and record.status & 0x2:
         if address < NULL_PAGE_END:
-            return f"accessed {address:#010x}, behind a null pointer"
+            return f"accessed {address:#010x} through a null pointer"
         if address < CODE_END:
             return f"wrote to {address:#010x}, which is code"
         if BELOW_STACK <= address < STACK_BEGIN:
-            return "the stack was full"
-    told = [text for bit, (_, text) in STATUS.items() if record.status >> bit & 1 and text]
+            return "stack overflow"
+    texts = [text for bit, (_, text) in STATUS.items() if record.status >> bit & 1 and text]
     where = "" if address is None else f", address {address:#010x}"
-    return "; ".join(told) + where if told else f"{_name(record.exception)} of nobody"
+    return "; ".join(texts) + where if texts else f"unexpected {_name(record.exception)}"
 
 
 def _address(record: FaultRecord) -> int | None:

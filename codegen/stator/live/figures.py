@@ -1,4 +1,4 @@
-"""What each task of a running vehicle does between two looks, and how long its chains take."""
+"""Measurements of the tasks and chains of a running vehicle."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LONGEST_LOOK_S = 2.0
 
 @dataclass(frozen=True)
 class Row:
-    """Figures of a task between two looks, and since its start. None: not measured, no bound."""
+    """Figures of a task, in the interval and since its start. None: not measured, or no bound."""
 
     task: str
     level: int
@@ -38,7 +38,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Span:
-    """Between two looks, by the graph's clock and by the one that execution times are part of."""
+    """The length of the interval: on the graph's clock, and on the clock of execution times."""
 
     graph_us: int
     machine_us: float
@@ -55,7 +55,7 @@ def facts_of(info: Info, time_us: int) -> dict[str, object]:
 
 
 def measure(link: Link, info: Info, plan: Plan, interval_s: float) -> tuple[int, list[Row]]:
-    """Two looks, and what lies between them."""
+    """The vehicle's time, and a row for each task over the interval."""
     begin_us, first = link.tasks(info.tasks)
     begin_s = time.monotonic()
     before, busy = first, [0] * info.tasks
@@ -67,7 +67,7 @@ def measure(link: Link, info: Info, plan: Plan, interval_s: float) -> tuple[int,
             busy[i] += (after[i].ticks - before[i].ticks) % WRAP
         before = after
     span_us = max(end_us - begin_us, 1)
-    # CPU time is the machine's, whose clock may be faster than the graph's: run --speed.
+    # CPU time is on the machine's clock, which may be faster than the graph's (run --speed).
     machine_us = (time.monotonic() - begin_s) * 1e6 if info.unit == "cpu_time" else span_us
     span = Span(span_us, machine_us)
     return end_us, [
@@ -117,7 +117,7 @@ def in_words(info: Info) -> str:
         "cycles": "execution times in us, counted as cycles",
         "instructions": "execution times in emulated us, counted as instructions",
         "cpu_time": "execution times in us of CPU time",
-        "nothing": "built without STATOR_COUNTERS: no times",
+        "nothing": "no times: built without STATOR_COUNTERS",
     }.get(info.unit, f"execution times in us, counted as {info.unit}")
 
 
@@ -126,7 +126,7 @@ def number(value: float | None, digits: int = 1) -> str:
 
 
 def against(value: float | None, bound: float | None, digits: int = 1) -> str:
-    """A figure, coloured if it is over its bound."""
+    """A figure, in red if it exceeds its bound."""
     text = number(value, digits)
     is_over = value is not None and bound is not None and value > bound
     return f"[bold red]{text}[/]" if is_over else text
@@ -136,7 +136,7 @@ def against(value: float | None, bound: float | None, digits: int = 1) -> str:
 
 
 def latest_end_us(row: Row, plan: Plan) -> int | None:
-    """The deadline of a task or of a chain that ends with it, whichever comes first."""
+    """The earliest deadline of the task and of the chains that end with it."""
     chains = plan.graph.chains
     ends = [
         chain.deadline_us
@@ -147,13 +147,13 @@ def latest_end_us(row: Row, plan: Plan) -> int | None:
 
 
 def chain_latency_us(chain: Chain, plan: Plan, rows: list[Row]) -> int | None:
-    """Longest time from what woke the first node to the end of the last one, where it is known."""
+    """The longest time from the trigger of the first node to the end of the last; None: unknown."""
     last = next(row for row in rows if row.task == chain.path[-1])
     return last.response_max_us if _carries_time(chain, plan) else None
 
 
 def _carries_time(chain: Chain, plan: Plan) -> bool:
-    """Whether `now` travels along the chain: its links are triggers, and the only ones."""
+    """Whether `now` passes along the chain: each link is the only trigger of its reader."""
     nodes = plan.graph.nodes
     for first, second in zip(chain.path, chain.path[1:], strict=False):
         sent = {output.topic for output in nodes[first].outputs.values()}

@@ -1,4 +1,4 @@
-"""The terminal's side of the link to firmware or a graph on Linux that runs: docs/link.md."""
+"""The terminal's side of the link to firmware, or to a graph on Linux: docs/link.md."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ if TYPE_CHECKING:
 INFO, TASKS, SAMPLE, FAULT = 1, 2, 3, 4
 VERSION = 1
 ANSWER_S = 0.5  # until a request is sent again
-MOST_TRIES = 10
+MAX_TRIES = 10
 UNITS = ("cycles", "instructions", "cpu_time")
 TASK = struct.Struct("<7I")
 
 
 class NoLink(UserError):
-    """Nobody is there, or nobody answers; the message says what to do."""
+    """There is no vehicle, or it does not answer; the message says what to do."""
 
 
 @dataclass(frozen=True)
 class Info:
     safe_mode: bool
     failed_before: bool
-    unit: str  # of execution times; "nothing": they are left out
+    unit: str  # of execution times; "nothing": not measured
     ticks_per_unit: int
     ticks_per_s: int
     time_us: int
@@ -52,7 +52,7 @@ class Info:
 
 @dataclass(frozen=True)
 class TaskFigures:
-    """As the vehicle counts, modulo 2^32; execution times in ticks."""
+    """The vehicle's counters, modulo 2^32; execution times in ticks."""
 
     activations: int
     lost: int
@@ -67,7 +67,7 @@ class TaskFigures:
 
 
 def frame(body: bytes) -> bytes:
-    """The body and its CRC-32, coded without zeros, and a zero behind it."""
+    """The body and its CRC-32, coded without zeros, then a zero."""
     data = body + struct.pack("<I", zlib.crc32(body))
     coded = bytearray()
     for i, run in enumerate(runs := data.split(b"\0")):
@@ -82,7 +82,7 @@ def frame(body: bytes) -> bytes:
 
 
 def unframe(coded: bytes) -> bytes | None:
-    """The body of what stood between two zeros; None if it is damaged."""
+    """The body of the bytes between two zeros; None if they are damaged."""
     data = bytearray()
     at = 0
     while at < len(coded):
@@ -102,7 +102,7 @@ def unframe(coded: bytes) -> bytes | None:
 
 
 class Link:
-    """Asks what runs, over a Unix socket (on Linux, and the emulator's) or a serial port."""
+    """Requests to the vehicle, over a Unix socket (Linux, emulator) or a serial port."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -112,11 +112,11 @@ class Link:
         try:
             self._file = self._open()
         except (OSError, termios.error) as error:
-            why = "it is no serial port"
+            why = "it is not a serial port"
             if isinstance(error, OSError):
                 why = error.strerror or str(error)
             raise NoLink(
-                f"error: nothing runs at {shown_path(path)}: {why}\n{_place_hint()}"
+                f"error: cannot connect to {shown_path(path)}: {why}\n{_place_hint()}"
             ) from None
 
     def _open(self) -> int:
@@ -148,8 +148,8 @@ class Link:
         self.close()
 
     def ask(self, kind: int, argument: int = 0) -> bytes:
-        """The answer's body behind its head. Raises `NoLink` if there is none."""
-        for _ in range(MOST_TRIES):
+        """The body of the answer, without its head. Raises `NoLink` if there is no answer."""
+        for _ in range(MAX_TRIES):
             self._tag = (self._tag + 1) % 256
             head = bytes([kind, self._tag])
             try:
@@ -160,8 +160,8 @@ class Link:
             if body is not None:
                 return body
         raise NoLink(
-            f"error: what is at {shown_path(self.path)} does not answer\n"
-            "hint: it is nothing of Stator's, or stands still"
+            f"error: no answer from {shown_path(self.path)}\n"
+            "hint: check that Stator runs there, and that it is not stopped"
         )
 
     def _answer(self, head: bytes) -> bytes | None:
@@ -175,19 +175,19 @@ class Link:
             if select.select([self._file], [], [], left)[0]:
                 data = os.read(self._file, 4096)
                 if not data:
-                    raise self._gone("it has ended")
+                    raise self._gone("it ended")
                 self._waiting += data
         return None
 
     def _gone(self, why: str) -> NoLink:
-        return NoLink(f"error: what ran at {shown_path(self.path)} is gone: {why}")
+        return NoLink(f"error: lost the connection to {shown_path(self.path)}: {why}")
 
     def info(self) -> Info:
         body = self.ask(INFO)
         if body[0] != VERSION:
             raise NoLink(
-                f"error: what runs speaks version {body[0]} of the link, not {VERSION}\n"
-                "hint: use the ./stator that built it"
+                f"error: expected version {VERSION} of the link, found {body[0]}\n"
+                "hint: use the ./stator that built the vehicle's software"
             )
         safe, cause, unit, per_unit, ticks_per_s, time_us, tasks, topics = struct.unpack_from(
             "<4BIQHH", body, 1
@@ -211,7 +211,7 @@ class Link:
         )
 
     def tasks(self, count: int) -> tuple[int, list[TaskFigures]]:
-        """The vehicle's time in us, and what it counted of each task, most urgent first."""
+        """The vehicle's time in us, and the counters of each task, most urgent first."""
         figures: list[TaskFigures] = []
         time_us = 0
         while len(figures) < count:
@@ -219,12 +219,12 @@ class Link:
             time_us, first = struct.unpack_from("<QH", body)
             rows = [TaskFigures(*row) for row in TASK.iter_unpack(body[10:])]
             if first != len(figures) or not rows:
-                raise NoLink("error: what runs has other tasks than it says")
+                raise NoLink("error: the vehicle sent fewer tasks than it announced")
             figures += rows
         return time_us, figures
 
     def sample(self, topic: int) -> tuple[int, bytes]:
-        """Number of the newest sample of a topic (0: none yet), and its bytes."""
+        """The number of the newest sample of a topic (0: none yet), and its bytes."""
         body = self.ask(SAMPLE, topic)
         _, number = struct.unpack_from("<HI", body)
         return number, body[6:]
@@ -238,10 +238,10 @@ class Link:
 def _place_hint() -> str:
     others = [f"--link {shown_path(place)}" for place in served_places()]
     if others:
-        return f"hint: look at what runs elsewhere: {' or '.join(others)}"
+        return f"hint: running here: {' or '.join(others)}"
     return (
-        "hint: start something: ./stator run, or ./stator emulate --link --speed 1; or name its "
-        "place: --link /dev/ttyACM0"
+        "hint: start ./stator run, or ./stator emulate --link --speed 1; or give the serial port, "
+        "for example --link /dev/ttyACM0"
     )
 
 
@@ -254,20 +254,20 @@ def _text(data: bytes) -> tuple[str, bytes]:
 
 
 def plan_of(info: Info, graph: Path | None) -> Plan:
-    """The plan of the graph that runs. Raises `UserError` if it is another one than the file's."""
+    """The plan of the running graph. Raises `UserError` if the file holds another graph."""
     from stator.pipeline import make_plan
     from stator.plan.hash import graph_hash
 
     file = graph or HOME / "graph" / f"{info.graph}.yaml"
     if not file.is_file():
         raise UserError(
-            f"error: a graph called '{info.graph}' runs there, and {shown_path(file)} is no "
-            "file\nhint: name its file: --graph FILE"
+            f"error: missing file '{shown_path(file)}' of the running graph '{info.graph}'\n"
+            "hint: give its file: --graph FILE"
         )
     plan = make_plan(str(file), info.board)
     if graph_hash(plan)[:16] != info.graph_hash:
         raise UserError(
-            f"error: what runs is another version of {shown_path(file)}\n"
-            "hint: build and start it anew, or name the file that it was built from: --graph FILE"
+            f"error: the vehicle runs another version of the graph {shown_path(file)}\n"
+            "hint: build and start it again, or give the file of its graph: --graph FILE"
         )
     return plan

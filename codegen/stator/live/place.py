@@ -1,4 +1,4 @@
-"""Places for the socket of a link: those that one asks for, and the usual ones."""
+"""Paths for the socket of a link: given ones, and the default ones."""
 
 from __future__ import annotations
 
@@ -16,39 +16,40 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 DEFAULT = HOME / "build" / "link"
-MOST_SOCKET_PATH = 100  # bytes; the system takes 107
+MAX_SOCKET_PATH = 100  # bytes; the system takes 107
 
 
 def socket_place(path: Path) -> Path:
-    """Where a socket can be made. Raises `UserError` where it cannot."""
+    """The path, if a socket can be made there. Raises `UserError` if not."""
     place = path.resolve()
-    if len(str(place).encode()) > MOST_SOCKET_PATH or "," in str(place):
+    if len(str(place).encode()) > MAX_SOCKET_PATH or "," in str(place):
         raise UserError(
-            f"error: '{place}' is too long for a socket, or has a comma\n"
-            "hint: name a shorter one: --link /tmp/link"
+            f"error: expected a path of at most {MAX_SOCKET_PATH} bytes without a comma, found "
+            f"'{place}'\nhint: use a shorter path, for example --link /tmp/link"
         )
     if place.exists() and not place.is_socket():
-        raise UserError(f"error: '{place}' exists, and is no socket\nhint: name another one")
+        raise UserError(
+            f"error: expected a socket, found another file '{place}'\nhint: use another path"
+        )
     if is_served(place):
         raise UserError(
-            f"error: '{place}' is the link of something else that runs\n"
-            f"hint: name another one: --link {place}2"
+            f"error: another run uses '{place}'\n"
+            f"hint: use another path, for example --link {place}2"
         )
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UserError(f"error: no link at '{place}': {error.strerror}") from None
+        raise UserError(f"error: cannot make a link at '{place}': {error.strerror}") from None
     return place
 
 
 @contextlib.contextmanager
 def free_place() -> Iterator[Path | None]:
-    """The usual place; of several runs at once, the first one that is free. Nobody else gets it
-    before this one has ended, also while there is no socket. None if Stator lies too deep for
-    one."""
+    """The first default path that no other run uses, reserved until the end, even while there is
+    no socket. None if the path of the checkout is too long for a socket."""
     for number in count(1):
         place = DEFAULT.with_name(f"{DEFAULT.name}{number if number > 1 else ''}")
-        if len(str(place).encode()) > MOST_SOCKET_PATH:
+        if len(str(place).encode()) > MAX_SOCKET_PATH:
             yield None
             return
         with place.with_name(f"{place.name}.lock").open("w") as lock:
@@ -62,18 +63,18 @@ def free_place() -> Iterator[Path | None]:
 
 
 def served_places() -> list[Path]:
-    """Those of the usual places where something runs."""
+    """The default paths that a run uses."""
     places = sorted(DEFAULT.parent.glob(f"{DEFAULT.name}*"))
     return [place for place in places if place.is_socket() and is_served(place)]
 
 
 def is_served(path: Path) -> bool:
-    """Whether somebody listens there: a socket that was left behind refuses."""
+    """Whether a run listens there: a socket that an ended run left refuses."""
     with socket.socket(socket.AF_UNIX) as probe:
         probe.setblocking(False)
         try:
             probe.connect(str(path))
-        except BlockingIOError:  # many wait there already
+        except BlockingIOError:  # it listens, and its queue is full
             return True
         except OSError:
             return False

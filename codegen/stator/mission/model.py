@@ -1,6 +1,6 @@
-"""Missions: read from YAML or from what ground stations save, given to the vehicle as one message.
+"""Missions, read from YAML or from the files of ground stations, and sent as one message.
 
-North, east and height are metres, from the mission's origin and above home.
+North and east are metres from the origin of the mission; height is metres above home.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from stator.graph.sources import Sources
 if TYPE_CHECKING:
     from stator.graph.model import Field
 
-MOST_ITEMS = own_field("Mission", "kind").count or 0
+MAX_ITEMS = own_field("Mission", "kind").count or 0
 NAN = math.nan
 FOREVER_S = 1e9
 WAYPOINT, RETURN, LAND, TAKEOFF, EIGHT = 16, 20, 21, 22, 35
@@ -31,11 +31,11 @@ NAMES = {
     TAKEOFF: "takeoff",
     EIGHT: "figure of eight",
 }
-USUAL_RADIUS_M = 1.0  # how near is there
+USUAL_RADIUS_M = 1.0  # the distance at which a waypoint counts as reached
 SHORTEST_EIGHT_M = constant("apps/navigator/route.cpp", "kShortestEight")
-LEAST_CLIMB_M = 0.5
-# No vehicle's parameters allow more: `farthest` of the navigator, `fence_height` of the commander.
-MOST_AWAY_M = MOST_HEIGHT_M = 10_000.0
+MIN_CLIMB_M = 0.5
+# The limits of the parameters `farthest` of the navigator and `fence_height` of the commander.
+MAX_AWAY_M = MAX_HEIGHT_M = 10_000.0
 
 
 @dataclass(frozen=True)
@@ -54,13 +54,13 @@ class Item:
 class Mission:
     items: tuple[Item, ...]
     origin: tuple[float, float] | None = None  # latitude and longitude in deg; None: home
-    fence_radius: float = 0.0  # m; 0: as the commander says
+    fence_radius: float = 0.0  # m; 0: the commander's parameter
     fence_height: float = 0.0
-    limits: dict[str, float] = field(default_factory=dict)  # that make a success: see LIMITS
+    limits: dict[str, float] = field(default_factory=dict)  # of a successful flight: see LIMITS
 
     @property
     def seconds(self) -> float:
-        """Roughly how long it takes, not counting what lasts for ever."""
+        """Roughly how long it takes, without items that have no end."""
         total, here = 60.0, (0.0, 0.0, 0.0)
         for item in self.items:
             there = (item.north, item.east, item.height)

@@ -1,4 +1,4 @@
-"""Reads a mission from YAML or from what ground stations save, and checks it."""
+"""Reads a mission from YAML or from a ground station's file, and checks it."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from stator.mission.model import (
     EIGHT,
     FOREVER_S,
     LAND,
-    LEAST_CLIMB_M,
-    MOST_AWAY_M,
-    MOST_HEIGHT_M,
-    MOST_ITEMS,
+    MAX_AWAY_M,
+    MAX_HEIGHT_M,
+    MAX_ITEMS,
+    MIN_CLIMB_M,
     NAMES,
     RETURN,
     SHORTEST_EIGHT_M,
@@ -29,14 +29,15 @@ if TYPE_CHECKING:
 
 
 def read_mission(path: Path) -> Mission:
-    """Raises `UserError` or `Failed` with what is wrong, and where."""
+    """Raises `UserError` or `Failed`."""
 
     try:
         start = path.read_bytes()[:64].lstrip()
     except OSError as error:
         raise UserError(
             f"error: cannot read the mission '{path}': {error.strerror}\n"
-            "hint: name a mission such as graph/missions/square.yaml, or a ground station's .plan"
+            "hint: give a mission, for example graph/missions/square.yaml or a ground station's "
+            ".plan"
         ) from error
     is_plan = start.startswith((b"{", b"QGC WPL"))
     mission = read_plan(path) if is_plan else read_yaml(path)
@@ -45,7 +46,7 @@ def read_mission(path: Path) -> Mission:
 
 
 def _check(path: Path, mission: Mission) -> None:
-    """What the vehicle would refuse later, without saying why."""
+    """Refuses what the vehicle would refuse later without a reason."""
     items = mission.items
 
     def refuse(number: int, what: str, hint: str) -> UserError:
@@ -53,21 +54,23 @@ def _check(path: Path, mission: Mission) -> None:
         return UserError(f"error: {path}: item {number + 1}, {name}: {what}\nhint: {hint}")
 
     if not items:
-        raise UserError(f"error: {path}: the mission has no items\nhint: begin with a take-off")
-    if len(items) > MOST_ITEMS:
-        hint = f"a vehicle takes at most {MOST_ITEMS}; fly the rest as another mission"
-        raise refuse(MOST_ITEMS, f"the mission has {len(items)} items", hint)
+        raise UserError(
+            f"error: {path}: expected at least one item, found none\nhint: add a takeoff first"
+        )
+    if len(items) > MAX_ITEMS:
+        what = f"expected at most {MAX_ITEMS} items, found {len(items)}"
+        raise refuse(MAX_ITEMS, what, "fly the rest as another mission")
     for number, item in enumerate(items):
         if (item.kind == TAKEOFF) != (number == 0):
             first = number == 0
-            what = "a mission begins with a take-off" if first else "a second take-off"
-            raise refuse(number, what, "put a take-off in front" if first else "remove it")
+            what = "expected a takeoff as the first item" if first else "duplicate takeoff"
+            raise refuse(number, what, "add a takeoff in front" if first else "remove it")
         ends = item.kind in (RETURN, LAND) or item.hold >= FOREVER_S
         if ends and number + 1 < len(items):
             raise refuse(
                 number + 1,
-                "is never reached: the item before ends the mission",
-                "remove what stands behind the end",
+                "never reached: the item before it ends the mission",
+                "remove this item and those behind it",
             )
         fault = None if item.kind == RETURN else _fault(item, mission)
         if fault is not None:
@@ -75,24 +78,37 @@ def _check(path: Path, mission: Mission) -> None:
 
 
 def _fault(item: Item, mission: Mission) -> tuple[str, str] | None:
-    """What is wrong with its size or place, and what to do."""
+    """The error in the item's size or place, and the hint; None if there is none."""
     is_eight = item.kind == EIGHT
     if is_eight and not item.radius >= SHORTEST_EIGHT_M:
         least = f"{SHORTEST_EIGHT_M:g} m"
-        return f"a length of {item.radius:g} m", f"make it {least} long at least: twice its radius"
-    if item.kind == TAKEOFF and not item.height >= LEAST_CLIMB_M:
-        return f"a height of {item.height:g} m", f"climb {LEAST_CLIMB_M:g} m at least"
+        what = f"expected a length of at least {least}, found {item.radius:g} m"
+        return what, f"write {least} or more; the length is twice the radius"
+    if item.kind == TAKEOFF and not item.height >= MIN_CLIMB_M:
+        what = f"expected a height of at least {MIN_CLIMB_M:g} m, found {item.height:g} m"
+        return what, f"write {MIN_CLIMB_M:g} m or more"
     if item.kind != LAND and not item.height > 0.0:
-        return f"a height of {item.height:g} m above home", "give it a height above home"
+        what = f"expected a height above 0 m, found {item.height:g} m"
+        return what, "give it a height above home"
     if 0.0 < mission.fence_height < item.height:
-        what = f"{item.height:g} m high, the fence ends at {mission.fence_height:g} m"
-        return what, "lower it, or widen the fence"
-    if item.height > MOST_HEIGHT_M:
-        return f"{item.height:g} m high", f"lower it to {MOST_HEIGHT_M:g} m at most"
+        what = (
+            f"expected a height of at most {mission.fence_height:g} m (the fence), found "
+            f"{item.height:g} m"
+        )
+        return what, "lower it, or enlarge the fence"
+    if item.height > MAX_HEIGHT_M:
+        what = f"expected a height of at most {MAX_HEIGHT_M:g} m, found {item.height:g} m"
+        return what, "lower it"
     away = math.hypot(item.north, item.east) + (0.5 * item.radius if is_eight else 0.0)
-    if away > MOST_AWAY_M:
-        return f"{away / 1000:.0f} km away", "is the origin the right one?"
+    if away > MAX_AWAY_M:
+        what = (
+            f"expected a distance of at most {MAX_AWAY_M / 1000:g} km, found {away / 1000:.0f} km"
+        )
+        return what, "check the origin of the mission"
     if 0.0 < mission.fence_radius < away:
-        what = f"leads {away:.1f} m away, the fence ends at {mission.fence_radius:g} m"
-        return what, "bring it nearer, or widen the fence"
+        what = (
+            f"expected a distance of at most {mission.fence_radius:g} m (the fence), found "
+            f"{away:.1f} m"
+        )
+        return what, "move it closer, or enlarge the fence"
     return None

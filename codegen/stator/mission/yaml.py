@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number with its unit, in the mission's own one."""
+    """A number with a unit; the value is in the unit that missions use."""
 
     name: str
     unit: str
@@ -61,61 +61,94 @@ def _item_key(doc: str, keys: dict[str, Key]) -> Key:
     return Key(Struct(keys), doc, required=True)
 
 
-_HEIGHT = _key("height", "m", 0.5, 1000, "Above home; left out: as before.")
+_HEIGHT = _key("height", "m", 0.5, 1000, "The height above home. Default: as before.")
 _PLACE = {
-    "north": _key("north", "m", -10_000, 10_000, "Of the origin; left out: as before."),
-    "east": _key("east", "m", -10_000, 10_000, "Of the origin; left out: as before."),
+    "north": _key("north", "m", -10_000, 10_000, "North of the origin. Default: as before."),
+    "east": _key("east", "m", -10_000, 10_000, "East of the origin. Default: as before."),
     "height": _HEIGHT,
 }
-_SPEED = _key("speed", "m/s", 0.2, 15, "Fastest horizontally.")
-_HEADING = _key("heading", "rad", -6.3, 6.3, "There; left out: towards it.")
+_SPEED = _key("speed", "m/s", 0.2, 15, "The highest horizontal speed.")
+_HEADING = _key("heading", "rad", -6.3, 6.3, "The heading there. Default: towards the place.")
 ITEMS: dict[str, Key] = {
     "takeoff": _item_key(
-        "Straight up; the first item of every mission.",
-        {"height": _key("height", "m", 0.5, 1000, "Above home.", required=True)},
+        "Climb. Every mission begins with it.",
+        {"height": _key("height", "m", 0.5, 1000, "The height above home.", required=True)},
     ),
     "waypoint": _item_key(
-        "To a place, and on.",
+        "Fly to a place, and continue.",
         {
             **_PLACE,
-            "hold": _key("hold", "s", 0, 36_000, "How long to stay; 0: flies on without a stop."),
-            "radius": _key("radius", "m", 0.2, 100, "How near is there."),
+            "hold": _key("hold", "s", 0, 36_000, "The time to stay. 0: no stop."),
+            "radius": _key(
+                "radius", "m", 0.2, 100, "The distance at which the place counts as reached."
+            ),
             "speed": _SPEED,
             "heading": _HEADING,
         },
     ),
     "loiter": _item_key(
-        "To a place, and stays there.",
+        "Fly to a place, and stay there.",
         {
             **_PLACE,
-            "time": _key("time", "s", 0.1, 36_000, "How long to stay; left out: for ever."),
+            "time": _key("time", "s", 0.1, 36_000, "The time to stay. Default: without end."),
             "speed": _SPEED,
             "heading": _HEADING,
         },
     ),
     "eight": _item_key(
-        "Round a figure of eight about a place.",
+        "Fly a figure of eight around a place.",
         {
             **_PLACE,
-            "length": _key("length", "m", 2, 200, "Its length; half as wide.", required=True),
-            "laps": _key("laps", "1", 1, 100, "How often round."),
-            "speed": _key("speed", "m/s", 0.2, 15, "In its middle, the fastest.", required=True),
-            "heading": _key("heading", "rad", -6.3, 6.3, "Of its long axis."),
+            "length": _key(
+                "length", "m", 2, 200, "The length; the width is half of it.", required=True
+            ),
+            "laps": _key("laps", "1", 1, 100, "The number of laps."),
+            "speed": _key(
+                "speed",
+                "m/s",
+                0.2,
+                15,
+                "The speed in the middle, which is the highest.",
+                required=True,
+            ),
+            "heading": _key("heading", "rad", -6.3, 6.3, "The heading of the long axis."),
         },
     ),
-    "return": _item_key("Home, and down; the last item.", {}),
-    "land": _item_key("To a place, and down; the last item.", {**_PLACE}),
+    "return": _item_key("Fly home and land. Only as the last item.", {}),
+    "land": _item_key("Fly to a place and land. Only as the last item.", {**_PLACE}),
 }
-# Limits that make a flight a success, and the unit of each.
+# The limits of a successful flight, and the unit of each.
 LIMITS: dict[str, Key] = {
     "corridor": _key(
-        "corridor", "m", 0.01, 1000, "Most horizontal distance from the straight way."
+        "corridor", "m", 0.01, 1000, "The greatest horizontal distance from the straight path."
     ),
-    "landing_error": _key("landing_error", "m", 0.01, 1000, "From where it took off."),
-    "touchdown_speed": _key("touchdown_speed", "m/s", 0.01, 10, "Downwards, at the ground."),
-    "hold_horizontal_rms": _key("hold_horizontal_rms", "m", 0.01, 100, "While staying, to truth."),
-    "hold_vertical_rms": _key("hold_vertical_rms", "m", 0.01, 100, "While staying, to truth."),
-    "tracking_rms": _key("tracking_rms", "m", 0.01, 100, "Estimate to setpoint, horizontally."),
+    "landing_error": _key(
+        "landing_error", "m", 0.01, 1000, "The greatest distance between take-off and landing."
+    ),
+    "touchdown_speed": _key(
+        "touchdown_speed", "m/s", 0.01, 10, "The highest vertical speed at touchdown."
+    ),
+    "hold_horizontal_rms": _key(
+        "hold_horizontal_rms",
+        "m",
+        0.01,
+        100,
+        "The largest horizontal RMS error of the true position while staying.",
+    ),
+    "hold_vertical_rms": _key(
+        "hold_vertical_rms",
+        "m",
+        0.01,
+        100,
+        "The largest vertical RMS error of the true position while staying.",
+    ),
+    "tracking_rms": _key(
+        "tracking_rms",
+        "m",
+        0.01,
+        100,
+        "The largest horizontal RMS distance between estimate and setpoint.",
+    ),
 }
 
 
@@ -130,11 +163,11 @@ class _AnyItem:
         elif isinstance(tree, Scalar) and not tree.is_null:
             name, content, mark = tree.text, Mapping({}, tree.mark, {}, tree.mark), tree.mark
         else:
-            misshaped(tree, "one item", report, "write it as `- waypoint: {north: 5 m}`")
+            misshaped(tree, "one item", report, "write it in this form: `- waypoint: {north: 5 m}`")
             return None
         if name not in ITEMS:
             hint = report.nearest(name, ITEMS)
-            report.error(mark, "unknown-key", f"there is no item '{name}'", hint)
+            report.error(mark, "unknown-key", f"unknown item '{name}'", hint)
             return None
         record = ITEMS[name].shape.read(content, report)
         return None if record is None else (name, record)
@@ -151,23 +184,31 @@ MISSION = Struct(
         "origin": Key(
             Struct(
                 {
-                    "latitude": _key("latitude", "deg", -89, 89, "Latitude.", required=True),
-                    "longitude": _key("longitude", "deg", -180, 180, "Longitude.", required=True),
+                    "latitude": _key("latitude", "deg", -89, 89, "The latitude.", required=True),
+                    "longitude": _key(
+                        "longitude", "deg", -180, 180, "The longitude.", required=True
+                    ),
                 }
             ),
-            "The place that north and east count from; left out: home.",
+            "The place that north and east count from. Default: home.",
         ),
         "fence": Key(
             Struct(
                 {
-                    "radius": _key("radius", "m", 1, 10_000, "Most distance from home."),
-                    "height": _key("height", "m", 1, 1000, "Most height above home."),
+                    "radius": _key(
+                        "radius", "m", 1, 10_000, "The greatest horizontal distance from home."
+                    ),
+                    "height": _key("height", "m", 1, 1000, "The greatest height above home."),
                 }
             ),
-            "Outside, the vehicle turns back.",
+            "The vehicle turns back at this limit.",
         ),
-        "items": Key(Listing(_AnyItem(), least=1), "What to do, in order.", required=True),
-        "limits": Key(Struct(LIMITS), "What makes a simulated flight a success."),
+        "items": Key(
+            Listing(_AnyItem(), least=1),
+            "The items, in the order in which the vehicle flies them.",
+            required=True,
+        ),
+        "limits": Key(Struct(LIMITS), "The limits of a successful simulated flight."),
     }
 )
 

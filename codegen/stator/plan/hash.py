@@ -1,5 +1,6 @@
-"""The hash that says whether two builds behave alike: topics, messages, app nodes with interfaces
-and parameters, device classes and the plan; not board, driver, budgets or text."""
+"""The hash of a graph: two builds with the same hash behave alike. It covers topics, messages, app
+nodes with interfaces and parameters, device classes and the plan; not board, driver, budgets or
+text."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from stator.collector import without_collector
 from stator.diagnostics import Report
-from stator.language.keys import MOST_LEVELS, MOST_TASKS_OF_THREAD
+from stator.language.keys import MAX_LEVELS, MAX_TASKS_OF_THREAD
 from stator.plan.rates import Rates
 from stator.plan.topics import TopicPlan, plan_topics
 from stator.quantities import shown
@@ -34,8 +34,8 @@ class Task:
 
     @property
     def window_us(self) -> int | None:
-        """The longest that the task may go without an activation; None: it is not watched. Two
-        periods, as one activation may come at the start of its period and the next at the end."""
+        """The longest time between two activations; None: the task is not watched. It is two
+        periods: one activation may come at the start of its period, and the next at the end."""
         written = [t.max_interval_us for t in self.node.triggers if t.max_interval_us is not None]
         periods = [2 * t.period_us for t in self.node.triggers if t.kind == "every"]
         return min(written or periods, default=None)
@@ -47,20 +47,20 @@ class Plan:
     board: Board
     tasks: tuple[Task, ...]  # most urgent first
     topics: dict[str, TopicPlan]
-    derived: bool  # priorities come from deadlines
+    derived: bool  # priorities follow from deadlines
     replanned: bool  # the board could not keep the order of the graph's own
 
     def task(self, name: str) -> Task:
         return self._by_name[name]
 
     def is_timed(self, name: str) -> bool:
-        """Whether a deadline of the graph, or of a chain, is about when this node ends."""
+        """Whether this node has a deadline, or is the end of a chain, which has one."""
         ends = {chain.path[-1] for chain in self.graph.chains}
         return name in ends or self.graph.nodes[name].deadline_us is not None
 
     @cached_property
     def levels(self) -> list[int]:
-        """Those that have tasks, most urgent first."""
+        """The levels that have tasks, most urgent first."""
         return sorted({task.level for task in self.tasks}, reverse=True)
 
     @cached_property
@@ -70,7 +70,7 @@ class Plan:
 
 @without_collector
 def plan(graph: Graph, board: Board) -> Plan:
-    """Raises `Failed` with every rule that the graph breaks on its board."""
+    """Raises `Failed` with all errors of the plan."""
     report = Report()
     rates = Rates(graph)
     levels = _levels(graph, rates, report)
@@ -93,7 +93,7 @@ def _levels(graph: Graph, rates: Rates, report: Report) -> dict[str, int]:
     nodes = graph.nodes.values()
     given = {node.name: node.priority for node in nodes if node.priority is not None}
     if given:
-        return given  # for all, as the check has seen to
+        return given  # for all nodes: graph/checks/nodes.py refuses a mixture
     deadlines: dict[str, Fraction] = {}
     for node in nodes:
         deadline = Fraction(node.deadline_us) if node.deadline_us else rates.node(node.name)
@@ -101,14 +101,13 @@ def _levels(graph: Graph, rates: Rates, report: Report) -> dict[str, int]:
             report.error(
                 node.mark,
                 "deadline-unknown",
-                f"'{node.name}' has neither a deadline nor a "
-                "known period to derive its priority from",
+                f"cannot derive a priority for '{node.name}': its deadline and period are unknown",
                 f"add `deadline:`{_or_irq(node)}",
             )
         else:
             deadlines[node.name] = deadline
     distinct = sorted(set(deadlines.values()), reverse=True)
-    if len(distinct) > MOST_LEVELS:
+    if len(distinct) > MAX_LEVELS:
         _refuse_levels(graph, deadlines, distinct, report)
     level_of = {deadline: i + 1 for i, deadline in enumerate(distinct)}
     return {name: level_of[deadline] for name, deadline in deadlines.items()}
@@ -116,8 +115,8 @@ def _levels(graph: Graph, rates: Rates, report: Report) -> dict[str, int]:
 
 def _or_irq(node: Node) -> str:
     if any(t.kind == "irq" for t in node.triggers):
-        return ", or `min_interarrival:` to its irq"
-    return ", or `min_interarrival:` to the irq that starts its samples on their way"
+        return ", or `min_interarrival:` to its irq trigger"
+    return ", or `min_interarrival:` to the irq trigger of the driver that its samples come from"
 
 
 def _refuse_levels(
@@ -131,8 +130,9 @@ def _refuse_levels(
     report.error(
         graph.nodes[second].mark,
         "priority-levels",
-        f"{len(distinct)} different deadlines need as many levels, and there are {MOST_LEVELS}",
-        f"give some nodes the same deadline; closest are '{first}' with {shown(short)} us and "
+        f"expected at most {MAX_LEVELS} different deadlines, found {len(distinct)}: each needs a "
+        "priority level",
+        f"give some nodes the same deadline; the closest are '{first}' with {shown(short)} us and "
         f"'{second}' with {shown(long)} us",
     )
 
@@ -150,22 +150,22 @@ def _order(graph: Graph, board: Board, levels: dict[str, int], report: Report) -
 
 
 def _check_level_sizes(tasks: tuple[Task, ...], board: Board, report: Report) -> None:
-    """Where a level is a thread, its tasks are bits of one word."""
+    """On a board where a level is a thread, its tasks are the bits of one word."""
     for task in tasks:
-        if task.index - task.level_begin == MOST_TASKS_OF_THREAD:
+        if task.index - task.level_begin == MAX_TASKS_OF_THREAD:
             count = sum(other.level == task.level for other in tasks)
             report.error(
                 task.node.mark,
                 "level-large",
-                f"level {task.level} has {count} nodes, and a level of {board.name} runs at most "
-                f"{MOST_TASKS_OF_THREAD}",
+                f"expected at most {MAX_TASKS_OF_THREAD} nodes in a level of {board.name}, found "
+                f"{count} in level {task.level}",
                 "give some of them another priority",
             )
 
 
 def _vectors(graph: Graph, board: Board, report: Report) -> dict[str, int]:
-    """A task whose only trigger is one unshared line has that line's vector; every other task has a
-    spare one, in graph order from the lowest free."""
+    """A task whose only trigger is one unshared line has the vector of that line. Every other task
+    has a spare vector, in graph order from the lowest free one."""
     if board.chip is None:
         return {}
     lines: dict[str, list[tuple[str, str]]] = {}  # vector -> (device, line) of the whole board
@@ -193,14 +193,15 @@ def _vectors(graph: Graph, board: Board, report: Report) -> dict[str, int]:
         report.error(
             last.mark,
             "vectors-few",
-            f"the nodes need {count + short} spare vectors, and {board.name} has {count}",
-            "join nodes, or free vectors of devices that are not used",
+            f"expected at most {count} nodes that need a spare vector on {board.name}, found "
+            f"{count + short}",
+            "join nodes, or free the vectors of unused devices",
         )
     return vectors
 
 
 def _only_line(board: Board, node: Node) -> str:
-    """The vector of the line that alone triggers the node; empty if there is none, or several."""
+    """The vector of the line that is the node's only trigger; empty if there is no such line."""
     only = node.triggers[0]
     if len(node.triggers) != 1 or only.kind != "irq" or node.device is None:
         return ""
@@ -209,7 +210,7 @@ def _only_line(board: Board, node: Node) -> str:
 
 
 def owns_its_vector(plan: Plan, task: Task) -> bool:
-    """Whether a task's vector is that of its line, which then starts the task itself."""
+    """Whether a task has the vector of its line, so that the line starts the task directly."""
     chip = plan.board.chip
     if chip is None or task.vector is None or plan.board.executor != "cortex_m":
         return False
@@ -217,7 +218,7 @@ def owns_its_vector(plan: Plan, task: Task) -> bool:
 
 
 def vector_of(wire: str) -> str:
-    """The vector that a pin or a peripheral raises; pins share as the chips of this family do."""
+    """The vector that a pin or a peripheral raises. Pins share vectors, as in all STM32F4 chips."""
     if wire.startswith("P") and wire[2:].isdigit():
         pin = int(wire[2:])
         if pin <= 4:

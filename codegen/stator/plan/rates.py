@@ -1,4 +1,4 @@
-"""Mean rates of nodes and topics, as far as the triggers tell them."""
+"""Mean rates of nodes and topics, as far as the triggers define them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 class Rates:
-    """Mean periods, as far as triggers tell them. None: unknown."""
+    """Mean periods, as far as the triggers define them. None: unknown."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
@@ -35,7 +35,7 @@ class Rates:
         return self._of_topics[name]
 
     def _at_one_time(self, nodes: tuple[str, ...]) -> list[list[str]]:
-        """Those of the nodes that run together, for each mode in which any does."""
+        """For each mode that runs any of the nodes: those that it runs."""
         if len(nodes) == 1 or self.graph.modes is None:
             return [list(nodes)]
         sets = list(self.graph.modes.sets.values())
@@ -68,7 +68,8 @@ def _sum_of_rates(periods: list[Fraction | None]) -> Fraction | None:
 
 
 def _publishers_first(graph: Graph) -> list[str]:
-    """Nodes such that whoever triggers a node by a topic stands before it (there is no cycle)."""
+    """The nodes in an order in which publishers come before the nodes that their topics trigger.
+    The check has refused cycles."""
     unknown = {name: len(topic.publishers) for name, topic in graph.topics.items()}
     waits: dict[str, int] = {}
     woken: dict[str, list[str]] = {name: [] for name in graph.topics}

@@ -1,4 +1,4 @@
-"""The plan as a person reads it: who may preempt whom, and what each topic takes."""
+"""The plan as text: which task can preempt which, and what each topic needs."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def _table(rows: list[tuple[str, ...]]) -> list[str]:
 
 
 def unbound_devices(plan: Plan) -> list[str]:
-    """Those that the graph uses and its board has no driver for."""
+    """Devices that the graph uses and its board has no driver for."""
     used = {task.node.device for task in plan.tasks}
     return [d.name for d in plan.board.devices.values() if d.driver == "none" and d.name in used]
 
@@ -92,11 +92,11 @@ def show_notes(plan: Plan) -> None:
     unbound = unbound_devices(plan)
     if unbound:
         print(
-            f"note: no driver yet on {plan.board.name} for: {', '.join(unbound)}; "
-            "these publish nothing there"
+            f"note: board {plan.board.name} has no driver for {', '.join(unbound)}; these devices "
+            "publish nothing"
         )
     if plan.replanned:
         print(
-            f"note: {plan.board.name} cannot keep the order of {plan.graph.board.name}; "
-            "planned anew, with another hash"
+            f"note: board {plan.board.name} cannot keep the task order of "
+            f"{plan.graph.board.name}; it has a plan and a hash of its own"
         )

@@ -1,4 +1,4 @@
-"""What each topic takes: its depth, its slots, who needs a critical section, how it is logged."""
+"""The plan of each topic: depth, slots, critical sections and log rate."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 from stator.graph.model import Message, TopicConfig
 from stator.graph.model import Topic as GraphTopic
-from stator.language.keys import DEPTHS, MOST_LOGGED_BYTES, MOST_SLOTS
+from stator.language.keys import DEPTHS, MAX_LOGGED_BYTES, MAX_SLOTS
 
 if TYPE_CHECKING:
     from stator.diagnostics import Mark, Report
     from stator.graph.model import Graph, Node
     from stator.plan.rates import Rates
 
-LOG_ALL_UP_TO_US = 10_000  # topics of at most 100 Hz are logged whole
-LOG_ELSE_US = 20_000  # others at 50 Hz
+LOG_ALL_UP_TO_US = 10_000  # every sample of a topic of at most 100 Hz is logged
+LOG_ELSE_US = 20_000  # other topics are logged at 50 Hz
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,8 @@ def plan_topics(
 def _params(
     node: Node, message: Message, publisher: Node | None, levels: dict[str, int], reading: list[int]
 ) -> TopicPlan:
-    """Read by the node, and where they can change, by the logger; whoever changes one reads the
-    others."""
+    """The topic of a node's parameters. The node reads it. If parameters can change, the logger
+    reads it too, and so does their publisher."""
     name = f"{node.name}_params"
     readers = ((node.name, "params"),)
     if publisher is None:
@@ -89,13 +89,14 @@ def _topic(
     if log_us is not None and logger is not None:
         reading.append(levels[logger.name])
     slots = slots_needed(topic, levels, reading, depth)
-    if slots > MOST_SLOTS:
+    if slots > MAX_SLOTS:
         mark = topic.config.mark or _output_mark(topic, graph)
         report.error(
             mark,
             "slots-many",
-            f"topic '{topic.name}' needs {slots} slots, and {MOST_SLOTS} are the most",
-            f"give it a smaller depth (now {depth}), or its readers and publishers fewer levels",
+            f"expected at most {MAX_SLOTS} slots for topic '{topic.name}', found {slots}",
+            f"give it a smaller depth (now {depth}), or put its readers and publishers on fewer "
+            "levels",
         )
     kept_by = tuple(n for n in topic.publishers if any(level > levels[n] for level in reading))
     ceiling = top if len(publishing) > 1 else 0
@@ -132,7 +133,7 @@ def _log(
 ) -> int | None:
     config: TopicConfig = topic.config
     own = logger is not None and logger.name in topic.publishers
-    if logger is None or own or config.log == "none" or topic.message.bytes > MOST_LOGGED_BYTES:
+    if logger is None or own or config.log == "none" or topic.message.bytes > MAX_LOGGED_BYTES:
         return None
     if config.log == "all":
         return 0
@@ -143,7 +144,7 @@ def _log(
 
 
 def _burst(graph: Graph, topic: GraphTopic, levels: dict[str, int]) -> int:
-    """What one activation publishes before readers that do not outrank it come to read."""
+    """The publications of one activation, before readers of the same or a lower level run."""
     if topic.config.depth is not None:
         return 1
     bursts = [1]
@@ -163,7 +164,7 @@ def _depth(topic: GraphTopic, queue_readers: list[str], rates: Rates, report: Re
     for name in queue_readers:
         published, read = rates.topic(topic.name), rates.node(name)
         if published is not None and read is not None:
-            # One more for the phase, as neither releases at an agreed time.
+            # One more, because the phase between the two is unknown.
             count = -(-read // published) + 1
             needed, slowest = max((needed, slowest), (count, name))
         elif config.depth is None:
@@ -171,10 +172,10 @@ def _depth(topic: GraphTopic, queue_readers: list[str], rates: Rates, report: Re
             report.error(
                 mark,
                 "depth-rate-unknown",
-                f"'{name}' reads every sample of '{topic.name}', "
-                f"and how often '{unknown}' runs is not known",
-                "add `min_interarrival:` to "
-                f"the irq behind it, or `topics: {{{topic.name}: {{depth: 4}}}}`",
+                f"cannot derive the depth of '{topic.name}', which '{name}' reads as a queue: the "
+                f"rate of '{unknown}' is unknown",
+                "add `min_interarrival:` to the irq trigger behind it, or write "
+                f"`topics: {{{topic.name}: {{depth: 4}}}}`",
             )
             break
     fitting = next((depth for depth in DEPTHS if depth >= needed), None)
@@ -182,8 +183,8 @@ def _depth(topic: GraphTopic, queue_readers: list[str], rates: Rates, report: Re
         report.error(
             mark,
             "depth-small",
-            f"'{topic.name}' would need a depth of {needed} for "
-            f"'{slowest}', and {DEPTHS[-1]} is the most",
+            f"expected a depth of at most {DEPTHS[-1]} for '{topic.name}', found {needed}: "
+            f"{needed} samples can come between two activations of '{slowest}'",
             f"activate '{slowest}' more often, or "
             + (
                 "let it read the latest sample only"
@@ -195,14 +196,14 @@ def _depth(topic: GraphTopic, queue_readers: list[str], rates: Rates, report: Re
         report.error(
             mark,
             "depth-small",
-            f"depth {config.depth} of '{topic.name}' is too small: "
+            f"expected a depth of at least {needed} for '{topic.name}', found {config.depth}: "
             f"{needed} samples can come between two activations of '{slowest}'",
-            f"write {fitting}, or leave it out",
+            f"write {fitting}, or remove `depth`",
         )
     return config.depth or fitting or DEPTHS[-1]
 
 
 def _output_mark(topic: GraphTopic, graph: Graph) -> Mark:
-    """Where the topic gets its first publisher."""
+    """The place of the output that publishes the topic first."""
     outputs = graph.nodes[topic.publishers[0]].outputs.values()
     return next(output.mark for output in outputs if output.topic == topic.name)

@@ -1,8 +1,8 @@
 """The language as JSON Schema, for editors: the same description that the checker uses.
 
-A schema sees one file. So it is strict with a whole graph (one that says its `board` and includes
-nothing); a part, or a graph that builds on parts, may leave out any key, hold ${variables}, and
-remove with null.
+A schema sees one file. It is strict with a whole graph, which has `board` and includes nothing. A
+part, or a graph that includes parts, may omit any key, contain ${variables}, and remove keys with
+null.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _SUBSCHEMAS = ("properties", "patternProperties")
 
-# What a file of Stator can be.
+# The kinds of files.
 KINDS: dict[str, Shape] = {
     "graph": language.GRAPH,
     "message": language.MESSAGE,
@@ -57,7 +57,7 @@ def schema(kind: str) -> dict[str, Any]:
 
 
 def _part(strict: dict[str, Any]) -> dict[str, Any]:
-    """The same, of a file that others complete."""
+    """The schema of a file that other files complete."""
     loose = {key: value for key, value in strict.items() if key != "required"}
     for key in _SUBSCHEMAS:
         if key in loose:

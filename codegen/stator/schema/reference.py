@@ -1,4 +1,4 @@
-"""The language as a page for people, made of the same description that the checker uses."""
+"""The language as docs/reference.md, from the same description that the checker uses."""
 
 from __future__ import annotations
 
@@ -12,20 +12,23 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 FILES = {
-    "graph": ("Graph", "`graph/*.yaml`: what runs, what wakes it, how urgent it is."),
+    "graph": ("Graph", "`graph/*.yaml`: the nodes, what activates each one, and how urgent it is."),
     "message": ("Message", "`graph/messages/NAME.yaml`: one type of sample."),
-    "interface": ("Interface", "`NAME.yaml` of an app or a device class: a node's ports."),
-    "board": ("Board", "`boards/NAME/board.yaml`: what a graph runs on."),
-    "chip": ("Chip", "`boards/FAMILY/CHIP.yaml`: what all boards with it share."),
-    "budgets": ("Budgets", "`graph/budgets/BOARD.yaml`: execution times as measured there."),
-    "failsafe": ("Failsafe table", "Beside an app's interface: which flight mode follows which."),
+    "interface": ("Interface", "`NAME.yaml` of an app or a device class: the ports of a node."),
+    "board": ("Board", "`boards/NAME/board.yaml`: the board that a graph runs on."),
+    "chip": ("Chip", "`boards/FAMILY/CHIP.yaml`: what all boards with this chip share."),
+    "budgets": ("Budgets", "`graph/budgets/BOARD.yaml`: execution times, measured on that board."),
+    "failsafe": (
+        "Failsafe table",
+        "Beside the interface of an app: the next flight mode for each mode and event.",
+    ),
     "mission": ("Mission", "`graph/missions/*.yaml`, for `./stator fly --mission`."),
 }
 HEAD = """# The language
 
-Made by `./stator schema --reference` from the description that the checker uses. A dot goes one
-mapping deeper, NAME stands for a name of yours, and [] for each entry of a list. **Bold** keys must
-be there. `./stator schema` prints the same for editors, as JSON Schema.
+`./stator schema --reference` writes this page from the description that the checker uses. A dot
+enters a mapping, NAME is a name that you choose, and [] is an item of a list. **Bold** keys are
+required. `./stator schema` prints the same for editors, as JSON Schema.
 """
 TIME = "us|ms|s|min"
 
@@ -34,7 +37,7 @@ def reference() -> str:
     parts = [HEAD]
     for kind, shape in KINDS.items():
         title, text = FILES.get(kind, (kind.capitalize(), ""))
-        parts.append(f"\n## {title}\n\n{text}\n\n| key | value | what |\n|---|---|---|\n")
+        parts.append(f"\n## {title}\n\n{text}\n\n| key | value | meaning |\n|---|---|---|\n")
         parts += [f"| {key} | {value} | {what} |\n" for key, value, what in _rows(shape.schema())]
     return "".join(parts)
 
@@ -59,12 +62,12 @@ def _below(item: dict[str, Any], path: str) -> Iterator[tuple[str, str, str]]:
     elif "items" in item:
         yield from _below(item["items"], f"{path}[]")
     elif "anyOf" in item:
-        # Alternatives that say the same in a list or alone are told once.
-        told: set[str] = set()
+        # A value alone and the same value in a list have the same keys: print them once.
+        printed: set[str] = set()
         for choice in item["anyOf"]:
             for row in _below(choice, path):
-                if row[0].replace("[]", "") not in told:
-                    told.add(row[0].replace("[]", ""))
+                if row[0].replace("[]", "") not in printed:
+                    printed.add(row[0].replace("[]", ""))
                     yield row
 
 

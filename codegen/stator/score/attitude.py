@@ -1,4 +1,4 @@
-"""The quad's attitude node over recordings, against what was true."""
+"""Scores the attitude node of the quad on recorded sensor data with known attitude."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ TRUTH = slice(9, 13)
 MOVING = 13
 
 Array = npt.NDArray[np.float64]
-# From north-east-down, where the node says its attitude, to east-north-up, where the truth is:
+# From north-east-down, the frame of the node's attitude, to east-north-up, the frame of the truth:
 # half a turn about the line between north and east.
 ENU_FROM_NED = np.array([0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0])
 
@@ -96,12 +96,12 @@ def rmse(name: str, truth: Array, estimate: Array, moving: npt.NDArray[np.bool_]
 
 def recordings_in(folder: Path) -> list[Path]:
     if not folder.is_dir():
-        raise RecordingError(
-            f"there is no folder '{folder}'", f"name one with *{SUFFIX} recordings"
-        )
+        raise RecordingError(f"missing folder '{folder}'", f"give a folder with files *{SUFFIX}")
     found = sorted(folder.glob(f"*{SUFFIX}"))
     if not found:
-        raise RecordingError(f"no recordings in '{folder}'", f"their names end in {SUFFIX}")
+        raise RecordingError(
+            f"expected recordings *{SUFFIX} in '{folder}', found none", "give another folder"
+        )
     return found
 
 
@@ -109,18 +109,18 @@ def unpack(path: Path) -> bytes:
     try:
         data = gzip.decompress(path.read_bytes())
     except EOFError:
-        raise RecordingError(f"'{path}' ends too early", "fetch the file again") from None
+        raise RecordingError(f"'{path}' is incomplete", "fetch the file again") from None
     except (gzip.BadGzipFile, zlib.error) as error:
         raise RecordingError(
-            f"'{path}' is no sound gzip file ({error})", "fetch the file again"
+            f"'{path}' is not a valid gzip file ({error})", "fetch the file again"
         ) from None
     except OSError as error:
         raise RecordingError(
-            f"cannot read '{path}' ({error.strerror})", "make it a readable file"
+            f"cannot read '{path}': {error.strerror}", "check the permissions of the file"
         ) from None
     if not data or len(data) % (4 * PLANES):
         raise RecordingError(
-            f"'{path}' holds {len(data)} bytes, not {PLANES} planes of float32",
+            f"expected {PLANES} planes of float32 in '{path}', found {len(data)} bytes",
             "see `./stator score --help` for the format",
         )
     return data
@@ -129,7 +129,9 @@ def unpack(path: Path) -> bytes:
 def planes_of(path: Path, data: bytes) -> Array:
     planes = np.frombuffer(data, "<f4").reshape(PLANES, -1).astype(np.float64)
     if not np.isfinite(planes[TRUTH, planes[MOVING] > 0.5]).all(axis=0).any():
-        raise RecordingError(f"'{path}' has no truth while it moves", "nothing in it can be scored")
+        raise RecordingError(
+            f"missing truth in '{path}' while the sensor moves", "remove this file"
+        )
     return planes
 
 
@@ -146,7 +148,7 @@ def estimate(program: Path, data: bytes, samples: int) -> Array:
 
 
 def rows_of(data: bytes) -> Array:
-    """For the board `playback`: in each period both devices have a sample."""
+    """Rows for the playback board: both devices have a sample in each period."""
     planes = np.frombuffer(data, "<f4").reshape(PLANES, -1)
     times_us = (np.arange(planes.shape[1]) + 1) * float(PERIOD_US)
     gauss = planes[6:9] * np.float32(0.01)
@@ -176,7 +178,7 @@ def attitudes_in(log: Path, samples: int) -> Array:
 
 
 def peers_in(folder: Path, names: set[str]) -> dict[str, list[Score]]:
-    """By filter: its scores on those of the named recordings that peer_rmse.csv has."""
+    """For each filter: its scores in peer_rmse.csv on the named recordings."""
     path = folder / "peer_rmse.csv"
     result: dict[str, list[Score]] = {}
     if not path.is_file():
@@ -189,7 +191,7 @@ def peers_in(folder: Path, names: set[str]) -> dict[str, list[Score]]:
                     result.setdefault(row["filter"], []).append(Score(row["trial"], *figures))
     except (OSError, KeyError, TypeError, ValueError):
         raise RecordingError(
-            f"cannot understand '{path}'", "its columns are trial,filter,total,heading,incl"
+            f"expected the columns trial,filter,total,heading,incl in '{path}'", "correct the file"
         ) from None
     return result
 

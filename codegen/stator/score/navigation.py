@@ -1,5 +1,5 @@
-"""`stator score navigation DIR`: the navigation node over recorded flights, beside what others
-computed from the same recordings."""
+"""`stator score navigation DIR`: the navigation node on recorded flights, beside the results of
+other software on the same data."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 GRAPH = HOME / "graph" / "navigation_recording.yaml"
 BOARD = "playback"
 EPILOG = """\
-navigation: a recorded flight is NAME.zip, text tables as the InertialNav project has them (IMU,
-GPS, MAG, NTUN, ATT, timing), beside it NAME_peer_*.csv.gz if there is one; or NAME_replay.csv.gz,
-an input of PX4's estimator tests, beside it NAME_reference*.csv."""
+navigation: a recorded flight is NAME.zip, text tables in the format of the InertialNav project
+(IMU, GPS, MAG, NTUN, ATT, timing), with an optional NAME_peer_*.csv.gz beside it; or
+NAME_replay.csv.gz, an input of PX4's estimator tests, with NAME_reference*.csv beside it."""
 
 
 def show_flight(name: str, ours: FlightScore, peer: FlightScore | None) -> None:
@@ -69,7 +69,7 @@ def show_reference(name: str, score: ReferenceScore) -> None:
 
 
 def known(value: object) -> object:
-    """JSON has neither NaN nor infinity: what could not be measured is null."""
+    """JSON has neither NaN nor infinity: null means not measured."""
     if isinstance(value, dict):
         return {key: known(item) for key, item in value.items()}
     return None if isinstance(value, float) and not np.isfinite(value) else value

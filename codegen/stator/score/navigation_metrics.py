@@ -1,5 +1,5 @@
-"""Metrics of the navigation node over recorded flights: attitudes, innovations, and where it thinks
-it is after a while without satellites."""
+"""Metrics of the navigation node on recorded flights: attitudes, innovations, and the position
+error after a time without satellites."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class ReferenceScore:
     height_change_m: float
 
 
-# --- what others and the node say ---
+# --- results of the node and of other software ---
 
 
 class Log:
@@ -87,7 +87,8 @@ class Log:
     def topic(self, name: str) -> dict[str, Array]:
         if name not in self._topics:
             raise RecordingError(
-                "the node said nothing about this flight", "it needs a second of IMU samples"
+                "the node published nothing in this flight",
+                "use a flight with at least one second of IMU samples",
             )
         return self._topics[name]
 
@@ -140,7 +141,7 @@ def wrapped_deg(angle: Array) -> Array:
 
 
 def attitude_score(ours: Array, others: Array) -> AttitudeScore:
-    """Of Euler angles; the tilt is the angle between what both take for down."""
+    """The error of Euler angles; the tilt is the angle between the two estimates of down."""
     cosine = np.sum(down_in_body(ours) * down_in_body(others), axis=1)
     difference = wrapped_deg(ours - others)
     roll, pitch, yaw = (rms(difference[:, i]) for i in range(3))
@@ -184,7 +185,7 @@ def returning_fixes(flight: Flight) -> list[Array]:
 
 
 def summary(errors: list[float]) -> HoldOut:
-    """Of each window's error; infinite where it was missed."""
+    """Quantiles of the errors of all windows; the error of a missed window is infinite."""
     missed = sum(np.isinf(errors))
     if not errors:
         return HoldOut(0, 0, float("nan"), float("nan"))

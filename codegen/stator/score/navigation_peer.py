@@ -1,4 +1,4 @@
-"""What another estimator made of the same recordings, by the metrics of the node."""
+"""The results of another estimator on the same data, with the metrics of the node."""
 
 from __future__ import annotations
 
@@ -62,8 +62,8 @@ def local(fixes: Array) -> Array:
 
 
 def coast(peer: Mapping[str, Array], row: int, imu: Array, until_us: float) -> Array:
-    """Where the peer would have been by its own state and biases and the IMU alone. Its biases are
-    angles and velocities per IMU sample."""
+    """The position of the other estimator from its own state and biases and the IMU alone. Its
+    biases are angles and velocities per IMU sample."""
     q = np.array([peer[f"q{i}"][row] for i in range(4)])
     v = np.array([peer[name][row] for name in ("vn", "ve", "vd")])
     p = np.array([peer[name][row] for name in ("pn", "pe", "pd")])

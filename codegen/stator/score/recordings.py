@@ -19,13 +19,13 @@ Array = npt.NDArray[np.float64]
 
 IMU, MAG, GNSS, BARO = range(4)  # boards/playback/recording.hpp
 COLUMNS = 12  # arrival_us, device, timestamp_sample, nine values
-START_US = 1_000_000  # what a recording calls 0
+START_US = 1_000_000  # the time 0 of a recording
 NO_HEIGHT = 1000.0  # m: an error so large that the height is not used
 REPLAYS = ("_replay.csv.gz", "_replay.csv")
 
 
 class RecordingError(UserError):
-    """What is wrong with the recordings, and what to do about it."""
+    """The recordings are missing or wrong; the message says what to do."""
 
     def __init__(self, problem: str, hint: str) -> None:
         super().__init__(f"error: {problem}\nhint: {hint}")
@@ -33,7 +33,7 @@ class RecordingError(UserError):
 
 @dataclass(frozen=True)
 class Flight:
-    """A recorded flight, and what was computed on board or by others at the time."""
+    """A recorded flight, with the results of the onboard software and of other software."""
 
     name: str
     path: Path
@@ -56,7 +56,7 @@ def pressure_at(height_m: Array) -> Array:
 
 
 def block(device: int, arrival_ms: Array, delay_ms: float, *values: Array | float) -> Array:
-    """Rows of a device whose samples arrive `delay_ms` after they were true."""
+    """Rows of a device whose samples arrive `delay_ms` after their measurement."""
     rows = np.zeros((len(arrival_ms), COLUMNS))
     rows[:, 0] = np.round(arrival_ms * 1e3) + START_US
     rows[:, 1] = device
@@ -82,11 +82,11 @@ def merged(blocks: list[Array]) -> Array:
     return result
 
 
-# --- zip files of text tables, as the InertialNav project has them ---
+# --- zip files of text tables, in the format of the InertialNav project ---
 
 
 def member(archive: zipfile.ZipFile, name: str) -> str | None:
-    """The table of this name, in whatever folder of the archive."""
+    """The table of this name, in any folder of the archive."""
     found = [entry for entry in archive.namelist() if entry.rsplit("/", 1)[-1] == name]
     return min(found, key=len, default=None)
 
@@ -98,12 +98,14 @@ def table(archive: zipfile.ZipFile, path: Path, name: str, columns: int) -> Arra
         result = np.array([row for row in rows if len(row) == columns], dtype=np.float64)
     except KeyError:
         raise RecordingError(
-            f"'{path}' has no {name}", "a flight has IMU, GPS, MAG, NTUN, ATT and timing.txt"
+            f"missing {name} in '{path}'", "a flight needs IMU, GPS, MAG, NTUN, ATT and timing.txt"
         ) from None
     except (ValueError, zipfile.BadZipFile, zlib.error):
         raise RecordingError(f"cannot read {name} in '{path}'", "fetch the file again") from None
     if not len(result):
-        raise RecordingError(f"{name} in '{path}' has no rows of {columns} numbers", "see --help")
+        raise RecordingError(
+            f"expected rows of {columns} numbers in {name} of '{path}'", "see ./stator score --help"
+        )
     return result
 
 
@@ -113,7 +115,7 @@ def read_tables(path: Path) -> Flight:
     try:
         archive = zipfile.ZipFile(path)
     except (zipfile.BadZipFile, OSError):
-        raise RecordingError(f"'{path}' is no sound zip file", "fetch the file again") from None
+        raise RecordingError(f"'{path}' is not a valid zip file", "fetch the file again") from None
     with archive:
         imu = table(archive, path, "IMU.txt", 8)
         gps = table(archive, path, "GPS.txt", 14)
@@ -123,11 +125,13 @@ def read_tables(path: Path) -> Flight:
         timing = table(archive, path, "timing.txt", 1)[:, 0]
         raw = table(archive, path, "GPSraw.txt", 7) if member(archive, "GPSraw.txt") else None
     if len(timing) < 8:
-        raise RecordingError(f"timing.txt in '{path}' is too short", "it has nine numbers")
+        raise RecordingError(
+            f"expected nine numbers in timing.txt of '{path}', found fewer", "fetch the file again"
+        )
     velocity_ms, position_ms, height_ms, mag_ms = timing[3:7]
 
     def arrival(stamps: Array) -> Array:
-        """Of a row: the time of the first IMU sample that is not stamped earlier."""
+        """The time of the first IMU sample that is not earlier than the row."""
         at = np.searchsorted(imu[:, 0], stamps)
         result: Array = imu[np.minimum(at, len(imu) - 1), 1]
         return result
@@ -158,7 +162,7 @@ def read_tables(path: Path) -> Flight:
 
 
 def read_peer(folder: Path, name: str) -> dict[str, Array]:
-    """Columns of NAME_peer_*.csv.gz by name; empty where there is none."""
+    """Columns of NAME_peer_*.csv.gz by name; empty if there is no such file."""
     found = sorted(folder.glob(f"{name}_peer_*.csv.gz"))
     if not found:
         return {}
@@ -192,7 +196,7 @@ def read_px4_replay(path: Path) -> Flight:
                 block(
                     GNSS,
                     gps[:, 0],
-                    110.0,  # what the reference takes it to be
+                    110.0,  # the value that the reference uses
                     *(gps[:, 3] * 1e-7, gps[:, 2] * 1e-7, gps[:, 1] * 1e-3),
                     *(*gps[:, 4:7].T, 0.0, 0.0, 0.0),
                 ),
@@ -201,7 +205,7 @@ def read_px4_replay(path: Path) -> Flight:
         )
     except (OSError, EOFError, ValueError, IndexError, zlib.error):
         raise RecordingError(
-            f"cannot read '{path}' as rows of t_us,type,values", "fetch the file again"
+            f"expected rows of t_us,type,values in '{path}'", "fetch the file again"
         ) from None
     name = path.name.removesuffix(".gz").removesuffix(REPLAYS[1])
     return Flight(name, path, rows, reference=read_reference(path.parent, name))
@@ -221,12 +225,13 @@ def read_reference(folder: Path, name: str) -> Array:
 
 def flights_in(folder: Path) -> list[Flight]:
     if not folder.is_dir():
-        raise RecordingError(f"there is no folder '{folder}'", "name one with recorded flights")
+        raise RecordingError(f"missing folder '{folder}'", "give a folder with recorded flights")
     tables = [read_tables(path) for path in sorted(folder.glob("*.zip"))]
     named = [path for path in sorted(folder.iterdir()) if path.name.endswith(REPLAYS)]
     replays = [read_px4_replay(path) for path in named]
     if not tables and not replays:
         raise RecordingError(
-            f"no recorded flights in '{folder}'", f"their names end in .zip or {REPLAYS[0]}"
+            f"expected recorded flights in '{folder}', found none",
+            f"give a folder with files *.zip or *{REPLAYS[0]}",
         )
     return tables + replays

@@ -1,4 +1,4 @@
-"""Reads the JUnit XML that ctest and pytest write, so that all tests are counted alike."""
+"""Reads the JUnit XML of ctest and pytest, so that all tests count in the same way."""
 
 import re
 import shlex
@@ -16,8 +16,8 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class Case:
-    """One test. `text` is the whole output of a failure, the reason of a skip; `selector` the NAME
-    with which `./stator test` runs it alone."""
+    """One test. `text`: the whole output of a failure, or the reason of a skip. `selector`: the
+    NAME that runs it alone with `./stator test`."""
 
     name: str
     outcome: Outcome
@@ -50,7 +50,7 @@ def _ctest_case(element: ElementTree.Element) -> Case:
     message = skipped.get("message", "") if skipped is not None else ""
     if status == "run":
         return Case(name, Outcome.PASSED, selector=selector)
-    # Any other test that did not run (its program is missing, say) was to run, and so has failed.
+    # Any other test that did not run should have run (a missing program, for example): it failed.
     if status == "disabled" or message.startswith("SKIP_"):
         return Case(name, Outcome.SKIPPED, _reason_of_skip(output), selector)
     return Case(name, Outcome.FAILED, output or message or "(no output)", selector)

@@ -1,4 +1,4 @@
-"""Formats and static checks, which `./stator lint` runs and the tests one by one."""
+"""Format and static checks, for `./stator lint` and for the tests, which run each one."""
 
 import importlib.util
 import json
@@ -11,11 +11,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-# Not to be formatted: what is built, and the generator's expected output, which stays as it is.
+# Not formatted: build output, and the expected output of the generator.
 SKIPPED_FOLDERS = {"build", "golden", "__pycache__"}
 TIDY_FOLDER = Path("build") / "lint"
-# Graph and board of programs that together hold what is compiled for this machine, and one that
-# replays. Not bare metal: clang has no C++ library for it here.
+# Graph and board of programs that together contain all code for this machine, and a replay program.
+# Not bare metal: clang has no C++ library for it here.
 TIDY_PROGRAMS = {
     "quad": ("quad", "sitl"),
     "outdoor": ("quad_outdoor", "sitl"),
@@ -28,7 +28,7 @@ TIDY_PROGRAMS = {
 
 @dataclass(frozen=True)
 class Check:
-    """`run` returns what is wrong, or nothing; `fixer` is the command that repairs it, if any."""
+    """`run` returns the problems as text; `fixer` is the command that repairs them, if any."""
 
     run: Callable[[Path], str]
     fixer: Callable[[Path], list[str]] | None = None
@@ -42,7 +42,7 @@ def cpp_files(root: Path) -> Iterator[Path]:
 
 
 def output(command: list[str], root: Path) -> str:
-    """What a command printed, if it failed."""
+    """The output of a command that failed; empty if it succeeded."""
     finished = subprocess.run(
         command,
         stdin=subprocess.DEVNULL,
@@ -76,7 +76,7 @@ def _run(command: Callable[[Path], list[str]]) -> Callable[[Path], str]:
 
 
 def clang_format(root: Path) -> str:
-    """One line a file; where in the file matters little, since the fix is one command."""
+    """One line for each file, without positions, because one command repairs all of them."""
     found = output(_clang_format("--dry-run", "--Werror")(root), root)
     files = re.findall(r"^(\S.*?):\d+:\d+: ", found, flags=re.M)
     return "\n".join(f"would reformat: {file}" for file in dict.fromkeys(files)) or found
@@ -87,7 +87,7 @@ def _python(*arguments: str) -> Callable[[Path], list[str]]:
 
 
 def clang_tidy(root: Path) -> str:
-    """What flies and what it flies in; tests are left to the compilers' warnings."""
+    """Checks all code except tests, which the compilers' warnings check."""
     own = set(cpp_files(root))
     folder_of: dict[Path, Path] = {}
     for name, (graph, board, *options) in TIDY_PROGRAMS.items():

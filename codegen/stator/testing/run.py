@@ -1,5 +1,5 @@
-"""Builds, runs the C++ tests (ctest) and the Python tests (pytest), and
-closes with one line that counts both."""
+"""Builds, runs the C++ tests (ctest) and the Python tests (pytest), and prints one line that counts
+both."""
 
 import os
 import re
@@ -17,16 +17,16 @@ PRESET = "host"
 PROGRESS_PERIOD_S = 10.0
 # Suites and tests as GoogleTest declares them: TEST(Suite, name), TEST_F, TEST_P, TYPED_TEST.
 SUITE = re.compile(r"^\s*(?:TYPED_)?TEST(?:_[FP])?\(\s*(\w+)\s*,", re.MULTILINE)
-# How ctest's closing list says that a test failed: `12 - name (Timeout)`; its XML does not.
+# A failed test in ctest's last list, `12 - name (Timeout)`; its XML lacks the reason.
 ENDING = re.compile(r"^\s+\d+ - (.+) \(([^()]+)\)", re.MULTILINE)
-# What pytest -k can read; a NAME with other characters is a regular expression for ctest alone.
+# A NAME that pytest -k can read; other characters make a regular expression for ctest only.
 # `and`, `or` and `not` are its operators.
 KEYWORD = re.compile(r"(?!(?:and|or|not)$)[\w:+\-./\[\]]+")
 
 
 @dataclass(frozen=True)
 class Selection:
-    """What to run: ctest with this regular expression (not at all if it is empty), and pytest once
+    """The tests to run: ctest with this regular expression (empty: not at all), and pytest once
     with each of these lists of arguments."""
 
     ctest_regex: str
@@ -72,7 +72,7 @@ def _has_python_tests(path: Path) -> bool:
 
 
 def run_logged(command: list[str], log: Path, environment: Mapping[str, str]) -> bool:
-    """Runs a command with its output in a log; shows a line of it now and then, as progress."""
+    """Runs a command with its output in a log; prints a line from time to time, as progress."""
     log.parent.mkdir(parents=True, exist_ok=True)
     due = time.monotonic() + PROGRESS_PERIOD_S
     with (
@@ -97,7 +97,7 @@ def run_logged(command: list[str], log: Path, environment: Mapping[str, str]) ->
 
 
 def build(folder: Path, environment: Mapping[str, str]) -> Case | None:
-    """Configures and builds; returns a failed case where that fails."""
+    """Configures and builds; returns a failed case if that fails."""
     steps = {
         "configure": ["cmake", "--preset", PRESET],
         "build": ["cmake", "--build", str(folder.relative_to(HOME))],
@@ -110,8 +110,8 @@ def build(folder: Path, environment: Mapping[str, str]) -> Case | None:
                 continue
             text = log.read_text(encoding="utf-8")
         except FileNotFoundError as error:
-            text = f"{error}\nhint: ./stator setup installs it\n"
-        # Ninja's lines of progress would hide what matters.
+            text = f"{error}\nhint: install it with ./stator setup\n"
+        # Remove ninja's progress lines, so that the errors are visible.
         lines = [line for line in text.splitlines() if not re.match(r"\[\d+/\d+\] ", line)]
         return Case(name, Outcome.FAILED, "\n".join(lines))
     return None

@@ -48,20 +48,20 @@ TEST(Options, refuses_what_is_no_value) {
     for (const char* const duration : {"0", "-1", "nan", "inf", "1e7", "5s", "", " 5"}) {
         Options options;
         EXPECT_EQ(refusal({"--duration", duration}, options),
-                  "error: --duration '" + std::string(duration) +
-                      "': expected a number of seconds, above 0 and at most 1000000\n");
+                  "error: --duration: expected seconds above 0 and up to 1000000, found '" +
+                      std::string(duration) + "'\n");
     }
     for (const char* const seed : {"-1", "1.5", "x", "", "18446744073709551616"}) {
         Options options;
         EXPECT_EQ(refusal({"--seed", seed}, options),
-                  "error: --seed '" + std::string(seed) +
-                      "': expected a whole number from 0 to 18446744073709551615\n");
+                  "error: --seed: expected a whole number from 0 to 18446744073709551615, found '" +
+                      std::string(seed) + "'\n");
     }
     Options options;
     EXPECT_EQ(refusal({"--times", "one"}, options),
-              "error: --times 'one': expected zero or random\n");
+              "error: --times: expected zero or random, found 'one'\n");
     EXPECT_EQ(refusal({"--seed"}, options),
-              "error: --seed '': expected a whole number from 0 to 18446744073709551615\n");
+              "error: --seed: expected a whole number from 0 to 18446744073709551615, found ''\n");
 }
 
 TEST(Options, reads_the_weather) {
@@ -75,7 +75,7 @@ TEST(Options, reads_the_weather) {
     EXPECT_NE(refusal({"--wind-from", "361"}, options), "");
     EXPECT_NE(refusal({"--wind-from", "west"}, options), "");
     EXPECT_EQ(refusal({"--gusts", "strong"}, options),
-              "error: --gusts 'strong': expected none, light, moderate or severe\n");
+              "error: --gusts: expected none, light, moderate or severe, found 'strong'\n");
 }
 
 TEST(Options, varies_the_vehicle_if_asked) {
@@ -83,7 +83,8 @@ TEST(Options, varies_the_vehicle_if_asked) {
     EXPECT_FALSE(options.conditions.vary);
     EXPECT_EQ(refusal({"--vary", "yes"}, options), "");
     EXPECT_TRUE(options.conditions.vary);
-    EXPECT_EQ(refusal({"--vary", "some"}, options), "error: --vary 'some': expected no or yes\n");
+    EXPECT_EQ(refusal({"--vary", "some"}, options),
+              "error: --vary: expected no or yes, found 'some'\n");
 }
 
 TEST(Options, a_fault_has_a_value_and_lasts) {
@@ -123,7 +124,7 @@ TEST(Options, a_mission_and_a_speed_are_taken) {
 TEST(Options, refuses_what_it_does_not_know) {
     Options options;
     EXPECT_EQ(refusal({"--sed", "1"}, options),
-              "error: unknown argument '--sed': known are --log FILE, --truth FILE, --seed N, "
+              "error: unknown option '--sed'\nhint: known: --log FILE, --truth FILE, --seed N, "
               "--duration SECONDS, --times zero|random, --budgets TASK=US,..., "
               "--vary no|yes, --wind M_S, "
               "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "

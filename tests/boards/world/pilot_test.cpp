@@ -39,7 +39,7 @@ TEST(Pilot, refuses_a_script_with_the_line_and_keeps_its_own) {
         EXPECT_EQ(wrong.substr(0, 8), "line 2: ") << line;
     }
     EXPECT_EQ(pilot.follow("2 0 0 0 0 1 1 0 0\n1 0 0 0 0 1 1 0 0"),
-              "line 2: is earlier than the line before");
+              "line 2: expected a time not before that of the line above");
     EXPECT_TRUE(pilot.frame(1000000).arm);
 }
 

@@ -111,7 +111,7 @@ def test_commands_that_build_nothing_need_no_packages(machine: Machine) -> None:
 def test_without_python_it_says_what_to_install(machine: Machine) -> None:
     result = machine.run("check")
     assert result.returncode == 2
-    assert "needs Python 3.11 or newer to start; found: no working python3" in result.stdout
+    assert "expected Python 3.11 or newer, found: no working python3" in result.stdout
     assert "hint: on Debian 12, Ubuntu 24.04 or newer: sudo apt-get install" in result.stdout
 
 
@@ -120,21 +120,21 @@ def test_a_python_that_is_too_old_is_named(machine: Machine) -> None:
     machine.add_program("python3", '[[ $1 == --version ]] && echo "Python 3.9.2" || echo')
     result = machine.run("check")
     assert result.returncode == 2
-    assert "needs Python 3.11 or newer to start; found: Python 3.9.2" in result.stdout
+    assert "expected Python 3.11 or newer, found: Python 3.9.2" in result.stdout
 
 
 def test_a_broken_shim_is_passed_over(machine: Machine) -> None:
     machine.add_program("python3", "exit 127")
     machine.add_program("python3.12", f'exec "{REAL_PYTHON}" "$@"')
     machine.add_ready_environment()
-    assert "no apt-get here" in machine.run("fly").stdout  # so bootstrap.py has been run
+    assert "missing apt-get" in machine.run("fly").stdout  # so bootstrap.py has been run
 
 
 def test_without_apt_it_lists_what_is_missing(machine: Machine) -> None:
     machine.add_ready_environment()
     result = machine.run("fly", STATOR_PYTHON=REAL_PYTHON)
     assert result.returncode == 2
-    assert "stator: error: there is no apt-get here to install: hovercraft\n" in result.stdout
+    assert "stator: error: missing apt-get to install: hovercraft\n" in result.stdout
     assert "by hand: " in result.stdout
     assert "ran:" not in result.stdout
 
@@ -181,7 +181,7 @@ def test_a_package_that_brings_nothing_is_an_error(machine: Machine) -> None:
     machine.add_program("apt-get", "exit 0")
     result = machine.run("fly", STATOR_PYTHON=REAL_PYTHON)
     assert result.returncode == 2
-    assert "error: installed, but not found in PATH or /usr/include: hovercraft\n" in result.stdout
+    assert "error: installed, but missing in PATH or /usr/include: hovercraft\n" in result.stdout
 
 
 def test_a_full_set_up_from_nothing(machine: Machine) -> None:
@@ -227,7 +227,7 @@ def test_packages_that_cannot_be_had_leave_no_good_environment(machine: Machine)
     variables = {"STATOR_PYTHON": REAL_PYTHON, "PIP_NO_INDEX": "1", "PIP_FIND_LINKS": ""}
     result = machine.run("check", **variables)
     assert result.returncode == 2
-    assert "stator: error: Python packages: pip failed" in result.stdout
+    assert "stator: error: cannot install Python packages: pip failed" in result.stdout
     assert "No matching distribution found for no-such-package-for-stator" in result.stdout
     assert "-m pip install" in result.stdout.splitlines()[-1]
     assert (machine.project / ".venv" / "unfinished").exists()
@@ -249,7 +249,7 @@ def test_two_at_once_wait_for_each_other(machine: Machine) -> None:
             time.sleep(0.01)
         second = machine.run("fly", STATOR_PYTHON=REAL_PYTHON)
         assert first.wait() == 2
-    assert "stator: waiting for another ./stator that is setting up\n" in second.stdout
+    assert "stator: waiting for the set-up of another ./stator\n" in second.stdout
     assert second.returncode == 2
     assert not (machine.bin / "apt-get.overlap").exists()
 

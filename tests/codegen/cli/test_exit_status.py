@@ -79,11 +79,11 @@ def test_what_the_machine_refuses(
     assert capsys.readouterr().err == "error: cannot use '/place': Permission denied\n"
 
 
-def test_a_build_folder_of_somebody_else(
+def test_a_build_folder_of_another_user(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("os.access", lambda *_: False)
     assert cli.main(["fly", str(HOME / "graph" / "quad.yaml")]) == 2
     error = capsys.readouterr().err
-    assert "error: cannot write in '" in error
-    assert "hint: it belongs to somebody else" in error
+    assert "error: cannot write to the build folder '" in error
+    assert "hint: the folder belongs to another user" in error

@@ -83,8 +83,9 @@ def test_names_select(project: Path) -> None:
 def test_no_test_at_all_is_a_failure(project: Path) -> None:
     status, lines = run(project, "no_such_name")
     assert status == 1
-    assert lines[-3:] == [
-        "no test ran: none matches no_such_name; --long looks among the long ones, too",
+    assert lines[-4:] == [
+        "no test ran: no test matches no_such_name",
+        "hint: add --long to include the long tests",
         "",
         "0 passed, 0 failed, 0 skipped",
     ]

@@ -22,7 +22,7 @@ def test_a_folder_with_other_files_is_refused(
 ) -> None:
     (tmp_path / "plan.txt").write_text("mine")
     assert gen(tmp_path) == 2
-    assert "hint: name a folder that is new or empty" in capsys.readouterr().err
+    assert "expected a new or empty folder" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["plan.txt"]
     assert (tmp_path / "plan.txt").read_text() == "mine"
 
@@ -68,4 +68,4 @@ def test_a_full_disk_is_named_and_the_next_run_goes_on(
 def test_an_empty_name_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         cli.main(["gen", GRAPH, "-o", ""])
-    assert "the name is empty" in capsys.readouterr().err
+    assert "expected a path, found nothing" in capsys.readouterr().err

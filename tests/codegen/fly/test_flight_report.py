@@ -51,19 +51,19 @@ def test_a_hovers_rows_name_the_limits_of_wind() -> None:
     rows = flight_rows(HOVER | {"limits": dataclasses.asdict(IN_WIND)})
     assert rows == [
         ("take-off", "at 2.90 s"),
-        ("hover", "33.0 s at 2.00 m: 0.500 m off at most, 0.240 m RMS"),
-        ("hover", "0.220 m RMS horizontal (limit 1 m)"),
-        ("hover", "0.080 m RMS vertical (limit 0.5 m)"),
-        ("tilt", "0.56 deg RMS error of the estimate in flight (limit 1.5 deg)"),
-        ("touchdown", "at 46.20 s with 0.29 m/s (limit 1 m/s)"),
+        ("hover", "33.0 s at 2.00 m: error at most 0.500 m, RMS 0.240 m"),
+        ("hover", "horizontal RMS error 0.220 m (limit 1 m)"),
+        ("hover", "vertical RMS error 0.080 m (limit 0.5 m)"),
+        ("tilt", "RMS error of the estimate in flight 0.56 deg (limit 1.5 deg)"),
+        ("touchdown", "at 46.20 s, 0.29 m/s (limit 1 m/s)"),
     ]
 
 
 def test_a_hovers_rows_in_calm_air() -> None:
     rows = flight_rows(HOVER | {"limits": dataclasses.asdict(CALM)})
     assert rows[1:3] == [
-        ("hover", "33.0 s at 2.00 m: 0.500 m off at most (limit 0.15 m), 0.240 m RMS"),
-        ("tilt", "0.56 deg RMS error of the estimate in flight (limit 0.5 deg)"),
+        ("hover", "33.0 s at 2.00 m: error at most 0.500 m (limit 0.15 m), RMS 0.240 m"),
+        ("tilt", "RMS error of the estimate in flight 0.56 deg (limit 0.5 deg)"),
     ]
 
 
@@ -73,12 +73,12 @@ def test_a_missions_rows() -> None:
         "items      1 takeoff           9.71 s",
         "items      2 waypoint        not reached",
         "modes        mission           3.64 s",
-        "modes        return           12.00 s  because of rc_lost",
-        "measured    1.30 m  off the straight way at most (limit 2 m)",
-        "measured    0.48 m  horizontal RMS of estimate off setpoint, moving",
-        "in flight   0.68 m  RMS truth off setpoint, 1.40 m at most",
+        "modes        return           12.00 s  failsafe rc_lost",
+        "measured    1.30 m  greatest distance from the straight path (limit 2 m)",
+        "measured    0.48 m  horizontal RMS distance of estimate and setpoint while moving",
+        "in flight   0.68 m  RMS distance of truth and setpoint; at most 1.40 m",
         "take-off  at 5.78 s",
-        "touchdown at 49.67 s with 0.45 m/s (limit 1 m/s)",
+        "touchdown at 49.67 s, 0.45 m/s (limit 1 m/s)",
     ]
 
 
@@ -88,10 +88,12 @@ def test_a_storage_that_may_not_take_the_recording_is_told(tmp_path: Path) -> No
     facts: dict[str, Any] = {"log": str(log)}
     assert log_rows(facts) == [("log", f"{log} (1.2 MB)")]
     facts |= {"recording_bytes_per_s": 461_000, "storage_bytes_per_s": None, "storage_board": "x"}
-    at_most = ("log", f"{log} (1.2 MB): at most 461 kB/s with the recording")
+    at_most = ("log", f"{log} (1.2 MB); highest rate 461 kB/s, recording included")
     assert log_rows(facts) == [at_most]
     facts["storage_bytes_per_s"] = 461_000
-    assert log_rows(facts) == [at_most, ("storage", "x takes 461 kB/s")]
+    assert log_rows(facts) == [at_most, ("storage", "x stores 461 kB/s")]
     facts["storage_bytes_per_s"] = 460_000
-    too_little = "x takes 460 kB/s: TOO LITTLE for the most; --no-record leaves the recording out"
+    too_little = (
+        "x stores 460 kB/s: LESS than the highest rate; hint: --no-record writes no recording"
+    )
     assert log_rows(facts) == [at_most, ("storage", too_little)]

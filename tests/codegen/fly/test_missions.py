@@ -59,7 +59,7 @@ def fly_many(mission: str, seeds: range, folder: Path, *options: str) -> dict[in
     [
         (["--mission", "none.yaml"], "cannot read the mission 'none.yaml'"),
         (["graph/quad.yaml", "--mission", "graph/missions/eight.yaml"], "no node that takes a"),
-        (["--mission", "graph/quad.yaml"], "there is no key 'nodes' here"),
+        (["--mission", "graph/quad.yaml"], "unknown key 'nodes'"),
         (["--mission", "graph/missions/eight.yaml", "--speed", "0"], "'0' is no factor above 0"),
     ],
 )

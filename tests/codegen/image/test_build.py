@@ -22,7 +22,6 @@ def test_a_board_without_code_is_refused_before_anything_is_built(
     assert cli.main(["build", str(graph)]) != 0
     errors = capsys.readouterr().err
     assert errors.startswith(
-        "error: board 'described' has no code yet, only its description\n"
-        "hint: build for another one, such as qemu_f405, or write its board.cpp in "
+        "error: missing file 'board.cpp' of board 'described'\nhint: write it in "
     )
     assert not (HOME / "build" / "alone-described").exists()

@@ -94,7 +94,7 @@ def test_it_is_refused_with_function_and_node_until_an_interface_says_why(
     assert cli.main(["build", str(graph)]) == 2
     why = "double precision, which this chip has no instructions for"
     hint = (
-        "hint: compute in float (1.0F, not 1.0), also with the functions of stator::math; if only "
+        "hint: compute in float (1.0F, not 1.0), and use the functions of stator::math; if only "
         "double is precise enough, write `double_precision: WHY` in apps/sums/sums.yaml"
     )
     assert capsys.readouterr().err.splitlines() == [
@@ -109,8 +109,8 @@ def test_it_is_refused_with_function_and_node_until_an_interface_says_why(
     allow(tmp_path, "sums")
     assert cli.main(["build", str(graph)]) == 0
     shown = capsys.readouterr().out
-    assert f"\ndouble precision in software: left, in 2 lines: {WHY}\n" in shown
-    assert f"\ndouble precision in software: right, in 2 lines: {WHY}\n" in shown
+    assert f"\ndouble precision in software: node left, 2 lines: {WHY}\n" in shown
+    assert f"\ndouble precision in software: node right, 2 lines: {WHY}\n" in shown
 
     assert cli.main(["build", str(graph), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["double_precision"] == {

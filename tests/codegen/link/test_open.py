@@ -10,7 +10,9 @@ from stator.live.link import Link, NoLink
 
 
 def test_a_device_that_is_no_serial_port_is_refused() -> None:
-    with pytest.raises(NoLink, match=r"^error: nothing runs at /dev/null: it is no serial port\n"):
+    with pytest.raises(
+        NoLink, match=r"^error: cannot connect to /dev/null: it is not a serial port\n"
+    ):
         Link(Path("/dev/null"))
 
 

@@ -40,7 +40,7 @@ def test_what_runs_elsewhere_is_named(tmp_path: Path, monkeypatch: pytest.Monkey
         with pytest.raises(NoLink) as failed:
             Link(tmp_path / "link")
     assert str(failed.value).splitlines()[1:] == [
-        f"hint: look at what runs elsewhere: --link {tmp_path / 'link2'}"
+        f"hint: running here: --link {tmp_path / 'link2'}"
     ]
 
 

@@ -123,14 +123,17 @@ def test_a_circle_about_home_is_the_fence(tmp_path: Path) -> None:
             plan(TAKE_OFF, item(16, 0, 0, 0, None, NORTH, HOME[1], 8, frame=10)),
             "item 2: frame 10 is not supported",
         ),
-        (plan(TAKE_OFF, item(16, 0, 0)), "item 2 is not complete"),
+        (plan(TAKE_OFF, item(16, 0, 0)), "item 2 is incomplete"),
         (plan(TAKE_OFF, geoFence={"polygons": [{"polygon": []}]}), "the fence has a polygon"),
-        (plan(item(16, 0, 0, 0, None, NORTH, HOME[1], 8)), "a mission begins with a take-off"),
-        (plan(), "the mission has no items"),
-        ({"fileType": "Parameters"}, "its fileType is not 'Plan'"),
-        ({"fileType": "Plan", "mission": {"items": []}}, "no mission with a planned home position"),
-        ("{", "not JSON"),
-        ("QGC WPL 110\n0 1 0 16 x\n", "line 2 is no item"),
+        (plan(item(16, 0, 0, 0, None, NORTH, HOME[1], 8)), "expected a takeoff as the first item"),
+        (plan(), "expected at least one item, found none"),
+        ({"fileType": "Parameters"}, "expected a plan with fileType 'Plan'"),
+        (
+            {"fileType": "Plan", "mission": {"items": []}},
+            "missing mission with a planned home position",
+        ),
+        ("{", "invalid JSON"),
+        ("QGC WPL 110\n0 1 0 16 x\n", "line 2: expected an item"),
     ],
 )
 def test_what_is_not_supported_is_named(content: Any, message: str, tmp_path: Path) -> None:
@@ -154,17 +157,17 @@ def text(command: str, *, frame: str = "3", altitude: str = "8") -> str:
 
 
 INFINITY = math.inf
-NOT_A_CIRCLE = "the fence is not one circle to stay in"
+NOT_A_CIRCLE = "expected a fence of one inclusion circle"
 ALL_DIGITS = json.dumps(plan(TAKE_OFF, way(4711, 0, 0, 0, NORTH, HOME[1], 8)))
 
 
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (text("nan"), "line 3 is no item"),
-        (text("inf"), "line 3 is no item"),
-        (text("22", frame="nan"), "line 3 is no item"),
-        (text("22", altitude="inf"), "item 1: parameter 7 is too large a number"),
+        (text("nan"), "line 3: expected an item"),
+        (text("inf"), "line 3: expected an item"),
+        (text("22", frame="nan"), "line 3: expected an item"),
+        (text("22", altitude="inf"), "item 1: parameter 7: expected a number from -1e+09 to 1e+09"),
         (fenced({"circle": 5}), NOT_A_CIRCLE),
         (fenced([5]), NOT_A_CIRCLE),
         (fenced([{"circle": 5, "inclusion": True}]), NOT_A_CIRCLE),
@@ -173,31 +176,37 @@ ALL_DIGITS = json.dumps(plan(TAKE_OFF, way(4711, 0, 0, 0, NORTH, HOME[1], 8)))
         (fenced([{"circle": {"center": HOME[:2], "radius": -8}, "inclusion": True}]), NOT_A_CIRCLE),
         (
             plan(TAKE_OFF, way(0, 0, 0, 0, 10**400, HOME[1], 8)),
-            "item 2: parameter 5 is too large a number",
+            "item 2: parameter 5: expected a number",
         ),
-        (ALL_DIGITS.replace("4711", "1" * 5000), "not JSON"),
+        (ALL_DIGITS.replace("4711", "1" * 5000), "invalid JSON"),
         (
             plan(TAKE_OFF, way(0, 0, 0, 0, NORTH, HOME[1], -1e300)),
-            "item 2: parameter 7 is too large a number",
+            "item 2: parameter 7: expected a number from -1e+09 to 1e+09",
         ),
-        (plan(TAKE_OFF, way(INFINITY, 0, 0, 0, NORTH, HOME[1], 8)), "item 2: parameter 1 is"),
-        (plan(TAKE_OFF, way(0, 0, 0, INFINITY, NORTH, HOME[1], 8)), "item 2: parameter 4 is"),
-        (plan(TAKE_OFF, item(178, 1, INFINITY, -1, 0, 0, 0, 0)), "item 2: parameter 2 is"),
+        (
+            plan(TAKE_OFF, way(INFINITY, 0, 0, 0, NORTH, HOME[1], 8)),
+            "item 2: parameter 1: expected",
+        ),
+        (
+            plan(TAKE_OFF, way(0, 0, 0, INFINITY, NORTH, HOME[1], 8)),
+            "item 2: parameter 4: expected",
+        ),
+        (plan(TAKE_OFF, item(178, 1, INFINITY, -1, 0, 0, 0, 0)), "item 2: parameter 2: expected"),
         (
             plan(TAKE_OFF, way(0, 0, 0, 0, NORTH, HOME[1], 0)),
-            "item 2, waypoint: a height of 0 m above home",
+            "item 2, waypoint: expected a height above 0 m, found 0 m",
         ),
         (
             plan(TAKE_OFF, item(35, 0, 5, 0, 0, HOME[0], HOME[1], 9)),
-            "item 2, figure of eight: a length of 0 m",
+            "item 2, figure of eight: expected a length of at least 2 m, found 0 m",
         ),
         (
             plan(TAKE_OFF, item(35, -10, 5, 0, 0, HOME[0], HOME[1], 9)),
-            "item 2: a figure of eight the other way round (radius -10 m) is not supported",
+            "item 2: expected a radius above 0 m for a figure of eight, found -10 m",
         ),
         (
             plan(TAKE_OFF, mission={"plannedHomePosition": [10**400, 0, 0], "items": []}),
-            "no mission with a planned home position",
+            "missing mission with a planned home position",
         ),
     ],
 )

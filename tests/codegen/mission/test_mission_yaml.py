@@ -14,7 +14,7 @@ from stator.mission.model import (
     EIGHT,
     FOREVER_S,
     LAND,
-    MOST_ITEMS,
+    MAX_ITEMS,
     RETURN,
     TAKEOFF,
     WAYPOINT,
@@ -90,26 +90,32 @@ def test_origin_fence_and_limits(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("items: []", "the list has 0 of at least 1 items"),
-        ("items: [return]", "item 1, return: a mission begins with a take-off"),
-        ("items: [takeoff: {height: 5}]", "'height' needs a unit"),
-        ("items: [takeoff: {}]", "key 'height' is missing"),
-        ("items: [takeoff: {height: 5 m}, wait: {}]", "there is no item 'wait'"),
+        ("items: []", "expected a list of at least 1 item, found 0"),
+        ("items: [return]", "item 1, return: expected a takeoff as the first item"),
+        (
+            "items: [takeoff: {height: 5}]",
+            "expected a number with its unit for 'height', found '5'",
+        ),
+        ("items: [takeoff: {}]", "missing key 'height'"),
+        ("items: [takeoff: {height: 5 m}, wait: {}]", "unknown item 'wait'"),
         ("items: [takeoff: {height: 5 m}, waypoint: {nort: 5 m}]", "did you mean 'north'?"),
-        ("items: [takeoff: {height: 5 m}, takeoff: {height: 5 m}]", "a second take-off"),
+        ("items: [takeoff: {height: 5 m}, takeoff: {height: 5 m}]", "duplicate takeoff"),
         (
             "items: [takeoff: {height: 5 m}, land, return]",
-            "item 3, return: is never reached: the item before ends the mission",
+            "item 3, return: never reached: the item before it ends the mission",
         ),
         (
             "items: [takeoff: {height: 5 m}, loiter: {}, return]",
-            "item 3, return: is never reached",
+            "item 3, return: never reached",
         ),
-        ("items: [takeoff: {height: 5 m}, eight: {length: 10 m}]", "key 'speed' is missing"),
+        ("items: [takeoff: {height: 5 m}, eight: {length: 10 m}]", "missing key 'speed'"),
         ("items: [takeoff: {height: 5 m}, waypoint: {speed: 99 m/s}]", "99"),
-        ("items: 5", "a list is due here"),
-        ("items: [takeoff: {height: 5 m}]\nlimits: {colour: 5 m}", "there is no key 'colour'"),
-        (f"items: [takeoff: {{height: 5 m}}{', waypoint: {}' * MOST_ITEMS}]", "has 32 items"),
+        ("items: 5", "expected a list, found '5'"),
+        ("items: [takeoff: {height: 5 m}]\nlimits: {colour: 5 m}", "unknown key 'colour'"),
+        (
+            f"items: [takeoff: {{height: 5 m}}{', waypoint: {}' * MAX_ITEMS}]",
+            "expected at most 31 items, found 32",
+        ),
     ],
 )
 def test_wrong_missions_are_refused(text: str, message: str, tmp_path: Path) -> None:
@@ -122,30 +128,46 @@ FENCED = "fence: {radius: 50 m, height: 20 m}\nitems: [takeoff: {height: 5 m}, "
 @pytest.mark.parametrize(
     ("items", "message"),
     [
-        ("waypoint: {north: 51 m}]", "item 2, waypoint: leads 51.0 m away, the fence ends at 50 m"),
-        ("land: {north: 51 m}]", "item 2, land: leads 51.0 m away, the fence ends at 50 m"),
-        ("land: {height: 21 m}]", "item 2, land: 21 m high, the fence ends at 20 m"),
-        ("waypoint: {height: 21 m}]", "item 2, waypoint: 21 m high"),
+        (
+            "waypoint: {north: 51 m}]",
+            "item 2, waypoint: expected a distance of at most 50 m (the fence), found 51.0 m",
+        ),
+        (
+            "land: {north: 51 m}]",
+            "item 2, land: expected a distance of at most 50 m (the fence), found 51.0 m",
+        ),
+        (
+            "land: {height: 21 m}]",
+            "item 2, land: expected a height of at most 20 m (the fence), found 21 m",
+        ),
+        (
+            "waypoint: {height: 21 m}]",
+            "item 2, waypoint: expected a height of at most 20 m (the fence), found 21 m",
+        ),
         (
             "eight: {north: 45 m, length: 12 m, speed: 3 m/s}]",
-            "item 2, figure of eight: leads 51.0 m away",
+            "item 2, figure of eight: expected a distance of at most 50 m (the fence), found 51",
         ),
     ],
 )
 def test_what_leaves_the_fence_is_named(items: str, message: str, tmp_path: Path) -> None:
     said = refusal(FENCED + items, tmp_path)
     assert message in said
-    assert "or widen the fence" in said
+    assert "or enlarge the fence" in said
 
 
 def test_a_take_off_above_the_fence_is_named(tmp_path: Path) -> None:
     text = "fence: {height: 4 m}\nitems: [takeoff: {height: 5 m}]"
-    assert "item 1, takeoff: 5 m high, the fence ends at 4 m" in refusal(text, tmp_path)
+    assert "item 1, takeoff: expected a height of at most 4 m (the fence), found 5 m" in refusal(
+        text, tmp_path
+    )
 
 
 def test_what_no_vehicle_may_reach_is_refused(tmp_path: Path) -> None:
     text = "items: [takeoff: {height: 5 m}, land: {north: 9 km, east: 9 km}]"
-    assert "item 2, land: 13 km away" in refusal(text, tmp_path)
+    assert "item 2, land: expected a distance of at most 10 km, found 13 km" in refusal(
+        text, tmp_path
+    )
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:

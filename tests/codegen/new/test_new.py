@@ -35,7 +35,7 @@ def test_nothing_is_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     header.parent.mkdir(parents=True)
     header.write_text("mine")
     assert cli.main(["new", "app", "lean_alarm", "--in", str(tmp_path)]) == 2
-    assert "is there already" in capsys.readouterr().err
+    assert "exists already" in capsys.readouterr().err
     assert header.read_text() == "mine"
     assert [path.name for path in header.parent.iterdir()] == ["lean_alarm.hpp"]
 
@@ -43,12 +43,12 @@ def test_nothing_is_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["app", "Lean"], "error: 'Lean' is no name"),
-        (["app", "../up"], "error: '../up' is no name"),
-        (["app", "while"], "error: 'while' cannot be the name: it is a word of C++"),
-        (["app", "topic"], "error: 'topic' cannot be the name: the runtime has taken it"),
-        (["app", "rate_control"], "error: Stator has an app 'rate_control', which this one would"),
-        (["graph", "racer", "--app", "absent"], "error: there is no app 'absent' in "),
+        (["app", "Lean"], "error: expected a name, found 'Lean'"),
+        (["app", "../up"], "error: expected a name, found '../up'"),
+        (["app", "while"], "error: 'while' cannot be a name: it is a C++ keyword"),
+        (["app", "topic"], "error: 'topic' cannot be a name: the runtime uses this name"),
+        (["app", "rate_control"], "error: duplicate app 'rate_control'"),
+        (["graph", "racer", "--app", "absent"], "error: unknown app 'absent' in "),
     ],
 )
 def test_what_cannot_be_made(

@@ -63,7 +63,7 @@ def test_a_broken_limit_is_drawn_where_it_broke(log: Path, tmp_path: Path) -> No
     [
         ("absent.ulg", None, "No such file or directory\nhint: ./stator fly writes a log"),
         (".", None, "Is a directory\nhint: ./stator fly writes a log"),
-        ("text.ulg", b"not a log", "is no ULog file that can be read"),
+        ("text.ulg", b"not a log", "as ULog: "),
     ],
 )
 def test_a_log_that_cannot_be_read(
@@ -83,5 +83,6 @@ def test_a_log_that_cannot_be_read(
 def test_a_kind_of_picture_that_is_none(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["plot", str(log), "-o", str(log.with_name("flight.doc"))]) == 2
     assert (
-        "'flight.doc' is no kind of picture\nhint: .png, .svg, .pdf are" in capsys.readouterr().err
+        "expected a file name that ends in .png, .svg, .pdf, found 'flight.doc'\nhint: "
+        in capsys.readouterr().err
     )

@@ -57,11 +57,11 @@ def test_damage_is_mended_or_told(records: Path, capsys: pytest.CaptureFixture[s
     flip(records, HEAD_BYTES + 20)
     facts = told(records, capsys)
     assert counts(facts) == (1, 1, 0)
-    assert "mended, as one copy of two was bad: 1" in nonvolatile_rows(facts)[1][1]
+    assert "repaired (one of two copies was damaged): 1" in nonvolatile_rows(facts)[1][1]
     flip(records, 3, HEAD_BYTES + 20, HEAD_BYTES + HALF_BYTES + 20)  # and the head
     facts = told(records, capsys)
     assert counts(facts) == (1, 0, 1), "of its place, it made use again"
-    assert nonvolatile_rows(facts)[1][1].startswith("damaged; gone: 1")
+    assert nonvolatile_rows(facts)[1][1].startswith("damaged and lost: 1")
 
 
 def test_a_file_that_lost_its_end_is_whole_again(
@@ -84,7 +84,7 @@ def test_what_is_no_such_file_is_left_alone(
     records: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     records.write_text("dear diary")
-    assert "not a file of records" in refusal(records, capsys)
+    assert "expected a file of records" in refusal(records, capsys)
     assert records.read_text() == "dear diary"
     assert "Is a directory" in refusal(records.parent, capsys)
 
@@ -92,4 +92,4 @@ def test_what_is_no_such_file_is_left_alone(
 def test_another_run_has_it(records: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with records.open("wb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
-        assert "another run has it" in refusal(records, capsys)
+        assert "another run uses it" in refusal(records, capsys)

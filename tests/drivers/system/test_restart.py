@@ -35,7 +35,7 @@ def starts_before(log: Path) -> list[int]:
 def test_it_ends_a_simulated_flight(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = tmp_path / "restart.ulg"
     facts = facts_of(capsys, "fly", "-o", str(log), "--duration", "5")
-    assert facts["reason"] == "ended by a restart that somebody who may asked for"
+    assert facts["reason"] == "ended by an authorised restart request"
     assert starts_before(log) == []
     (asked,) = ULog(str(log)).get_dataset("restart_request").data["timestamp"]
     # Half a second, and the period of the driver.
@@ -62,7 +62,7 @@ def test_firmware_resets(tmp_path: Path) -> None:
     image = build(GRAPH, "qemu_f405", executor="cortex_m")
     log = tmp_path / "restart.ulg"
     plant = [str(build_plant()), "--duration", "3"]
-    finished = fly(emulator, image, plant, log, told="restart")
+    finished = fly(emulator, image, plant, log, argument="restart")
     assert finished.returncode == 0, finished.stderr
     assert "record" not in finished.stderr, "no fault"
     assert json.loads(finished.stdout)["ended"] == "time_limit"

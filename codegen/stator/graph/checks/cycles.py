@@ -1,4 +1,4 @@
-"""Nodes must not activate each other for ever."""
+"""Topic triggers must not form a cycle."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 
 def check_cycles(nodes: dict[str, Node], topics: dict[str, Topic], report: Report) -> None:
-    """Follows topic triggers, depth first. Topics count as places, so that many publishers with
-    many readers cost their sum and not their product."""
+    """Follows topic triggers, depth first. Topics are places on the path, so that many publishers
+    with many readers cost their sum and not their product."""
     wakes = _wakes(nodes, topics)
     done: set[str] = set()
     for start in nodes:
@@ -45,7 +45,7 @@ def _wakes(nodes: dict[str, Node], topics: dict[str, Topic]) -> dict[str, list[s
 
 def _refuse(path: list[str], following: str, nodes: dict[str, Node], report: Report) -> None:
     cycle = [name for name in path[path.index(following) :] if name in nodes]
-    # From the first in the graph's order, wherever the search came in.
+    # Begin with the node that comes first in the graph: the text is then independent of the search.
     order = {name: i for i, name in enumerate(nodes)}
     first = cycle.index(min(cycle, key=order.__getitem__))
     cycle = [*cycle[first:], *cycle[:first], cycle[first]]
@@ -59,6 +59,6 @@ def _refuse(path: list[str], following: str, nodes: dict[str, Node], report: Rep
     report.error(
         topic.mark,
         "trigger-cycle",
-        f"these nodes trigger each other for ever: {shown}",
-        f"trigger '{cycle[0]}' by a period, and read '{topic.name}' as latest",
+        f"topic triggers form a cycle: {shown}",
+        f"trigger '{cycle[0]}' by a period (`every`) instead, and read '{topic.name}' as latest",
     )

@@ -1,4 +1,4 @@
-"""No two things of a graph may get one name in the generated C++."""
+"""No two things of a graph may get the same name in the generated C++."""
 
 from __future__ import annotations
 
@@ -45,8 +45,9 @@ def check_generated_names(
             report.error(
                 mark,
                 "name-clash",
-                f"topic '{topic.name}' would be called as the storage of '{stem}'",
-                "give it another name",
+                f"topic '{topic.name}' and the storage of topic '{stem}' would have the same "
+                "name in C++",
+                f"rename topic '{topic.name}'",
             )
 
 
@@ -57,7 +58,7 @@ def _messages(interface: Interface) -> list[Message]:
 
 
 class _Names:
-    """What has each name so far."""
+    """The names so far, and what has each one."""
 
     def __init__(self, report: Report) -> None:
         self._report = report
@@ -68,11 +69,11 @@ class _Names:
         other, first = self._taken.setdefault(name, (what, mark))
         if other == what:
             return True
-        where = "" if first == mark else f"; the other comes from {beside(mark, first)}"
+        where = "" if first == mark else f"; the other one: {beside(mark, first)}"
         self._report.error(
             mark,
             "name-clash",
-            f"{what} and {other} would both be called {name}",
+            f"{what} and {other} would both be called {name} in C++",
             f"rename one of them{where}",
         )
         return False

@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 @dataclass
 class Nodes:
-    """The nodes without errors that would spoil what follows; and what to keep silent about, so
-    that one mistake gives one error."""
+    """The nodes that later checks can use, and what later checks must not report, so that one
+    mistake gives one error."""
 
     good: dict[str, Node] = field(default_factory=dict)
     declared: frozenset[str] = frozenset()
     damaged: set[str] = field(default_factory=set)  # nodes with an error in app, inputs or outputs
-    # Topics that damaged nodes would publish; None if not even those are known.
+    # Topics that damaged nodes would publish; None if these are not known.
     doubtful_topics: set[str] | None = field(default_factory=set)
 
     def may_publish(self, topic: str) -> bool:
@@ -74,7 +74,7 @@ def _doubt_outputs(record: Record, node: Node | None, nodes: Nodes) -> None:
 
 
 def _check_priorities(nodes: dict[str, Node], table: Record, report: Report) -> None:
-    """Given for all or for none; the fewer are the ones to change."""
+    """All nodes have a priority, or none. The error names the smaller group."""
     given = [node for node in nodes.values() if "priority" in table.values[node.name].keys]
     missing = [node for node in nodes.values() if "priority" not in table.values[node.name].keys]
     if not given or not missing:
@@ -84,8 +84,8 @@ def _check_priorities(nodes: dict[str, Node], table: Record, report: Report) -> 
             report.error(
                 node.mark,
                 "priority-some",
-                f"'{node.name}' has no priority, and other nodes have one",
-                "give one to all nodes or to none",
+                f"missing priority of '{node.name}': other nodes have one",
+                "give all nodes a priority, or none",
             )
     else:
         for node in given:
@@ -93,7 +93,7 @@ def _check_priorities(nodes: dict[str, Node], table: Record, report: Report) -> 
                 table.values[node.name].keys["priority"],
                 "priority-some",
                 f"'{node.name}' has a priority, and most nodes have none",
-                "give one to all nodes or to none",
+                "give all nodes a priority, or none",
             )
 
 
@@ -143,7 +143,7 @@ class _NodeReader:
             self._report.error(
                 keys["app"],
                 "device-is-not-app",
-                "a node has `device` or `app`, not both",
+                "expected `device` or `app`, found both",
                 "remove `app`: the board says which driver the device has",
             )
         device, app = self._record.get("device"), self._record.get("app")
@@ -162,8 +162,8 @@ class _NodeReader:
             self._report.error(
                 self._mark,
                 "app-unknown",
-                f"there is no app '{self._name}'",
-                f"'{self._name}' is a device of the board: write `device: {self._name}`",
+                f"unknown app '{self._name}'",
+                f"add `device: {self._name}`: '{self._name}' is a device of the board",
             )
             return None
         return find_app(self._sources, self._name, self._mark)
@@ -175,8 +175,8 @@ class _NodeReader:
             self._report.error(
                 mark,
                 "device-twice",
-                f"device '{name}' has two owners",
-                f"the other one is the node in {beside(mark, owners[name])}",
+                f"expected one owner of device '{name}', found two nodes",
+                f"first one: {beside(mark, owners[name])}; keep one of them",
             )
         owners.setdefault(name, self._mark)
         for candidate in (own, board):
@@ -184,7 +184,7 @@ class _NodeReader:
                 self._report.error(
                     mark,
                     "device-unknown",
-                    f"board '{candidate.name}' has no device '{name}'",
+                    f"unknown device '{name}' of board '{candidate.name}'",
                     self._report.nearest(name, candidate.devices),
                 )
                 return None
@@ -195,10 +195,10 @@ class _NodeReader:
             self._report.error(
                 mark,
                 "class-mismatch",
-                f"'{name}' is of the class "
-                f"'{device.device_class}' on {own.name}, and '"
-                f"{board.devices[name].device_class}' on {board.name}",
-                f"bind it to a driver of {device.device_class} in {board.name}",
+                f"expected class '{device.device_class}' for device '{name}', as on {own.name}, "
+                f"found '{board.devices[name].device_class}' on {board.name}",
+                f"bind it to a driver of class {device.device_class} in the board.yaml of "
+                f"{board.name}",
             )
         return device.interface
 
@@ -218,8 +218,9 @@ class _NodeReader:
                 self._report.error(
                     topic.mark,
                     "input-twice",
-                    f"topic '{topic.value}' is on input '{taken[topic.value]}' already",
-                    "remove one of the two",
+                    f"duplicate topic '{topic.value}': input '{taken[topic.value]}' reads it "
+                    "already",
+                    "keep one of them",
                 )
             taken[topic.value] = key
             inputs[key] = NodeInput(
@@ -230,7 +231,7 @@ class _NodeReader:
                 topic.mark,
             )
         self._check_wired(interface, record)
-        # In the interface's order, whatever the graph's.
+        # In the order of the interface.
         return {key: inputs[key] for key in interface.inputs if key in inputs}
 
     def _check_wired(self, interface: Interface, record: Record | None) -> None:
@@ -245,8 +246,8 @@ class _NodeReader:
             self._report.error(
                 self._mark,
                 "input-missing",
-                f"input '{key}' of '{self._name}' is not wired",
-                f"add `{key}: TOPIC` to its `inputs`, a topic of {port.message.name}",
+                f"missing input '{key}' of '{self._name}'",
+                f"add `{key}: TOPIC` to its `inputs`; the message is {port.message.name}",
             )
 
     def _outputs(self, interface: Interface) -> dict[str, NodeOutput]:
@@ -266,8 +267,9 @@ class _NodeReader:
                 self._report.error(
                     leaf.mark,
                     "output-twice",
-                    f"topic '{leaf.value}' is on output '{taken[leaf.value]}' already",
-                    "remove one of the two",
+                    f"duplicate topic '{leaf.value}': output '{taken[leaf.value]}' publishes it "
+                    "already",
+                    "keep one of them",
                 )
                 continue
             taken[leaf.value] = key
@@ -280,8 +282,8 @@ class _NodeReader:
         self._report.error(
             mark,
             "port-unknown",
-            f"'{self._name}' has no {what} '{key}'",
-            self._report.nearest(key, ports) or f"it has no {what}s",
+            f"unknown {what} '{key}' of '{self._name}'",
+            self._report.nearest(key, ports) or f"remove it: this node has no {what}s",
         )
         return None
 
@@ -294,8 +296,9 @@ class _NodeReader:
                 self._report.error(
                     record.keys[key],
                     "param-unknown",
-                    f"'{self._name}' has no parameter '{key}'",
-                    self._report.nearest(key, interface.params) or "it has no parameters",
+                    f"unknown parameter '{key}' of '{self._name}'",
+                    self._report.nearest(key, interface.params)
+                    or "remove it: this node has no parameters",
                 )
                 continue
             value = read_value(interface.params[key], scalar, self._report)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stator.diagnostics import beside
-from stator.language.keys import MOST_PARAM_NAME, MOST_PARAM_NODES
+from stator.language.keys import MAX_PARAM_NAME, MAX_PARAM_NODES
 
 if TYPE_CHECKING:
     from stator.diagnostics import Report
@@ -19,28 +19,27 @@ def check_params_publisher(nodes: dict[str, Node], report: Report) -> None:
         report.error(
             node.mark,
             "params-publisher",
-            f"'{first.name}' publishes all parameters already ({beside(node.mark, first.mark)})",
-            "keep one of them",
+            f"expected one node that publishes parameters, found '{first.name}' and '{node.name}'",
+            f"first one: {beside(node.mark, first.mark)}; keep one of them",
         )
     if not publishers:
         return
     owners = [node for node in nodes.values() if node.params]
-    if len(owners) > MOST_PARAM_NODES:
+    if len(owners) > MAX_PARAM_NODES:
         report.error(
             publishers[0].mark,
             "params-publisher",
-            f"{len(owners)} nodes have parameters, and one node publishes those of at most "
-            f"{MOST_PARAM_NODES}",
-            "leave this one out: then parameters are fixed",
+            f"expected at most {MAX_PARAM_NODES} nodes with parameters, found {len(owners)}",
+            "remove this node: then parameters cannot change in flight",
         )
     for node in owners:
         longest = max(node.params, key=len)
         name = f"{node.name}.{longest}"
-        if len(name) > MOST_PARAM_NAME:
+        if len(name) > MAX_PARAM_NAME:
             report.error(
                 node.mark,
                 "params-name",
-                f"'{name}' is longer than the {MOST_PARAM_NAME} characters by which "
-                f"'{publishers[0].name}' is asked for it",
+                f"expected a parameter name of at most {MAX_PARAM_NAME} characters, found "
+                f"{len(name)}: '{name}'",
                 "give the node a shorter name",
             )

@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from stator.graph.model import Chain, Modes, Node
-from stator.language.keys import MOST_MODES
+from stator.language.keys import MAX_MODES
 from stator.language.shapes import Leaf, Record, items
 
 if TYPE_CHECKING:
@@ -28,16 +28,15 @@ def read_modes(record: Record, nodes: Nodes, report: Report) -> Modes | None:
         report.error(
             initial.mark,
             "mode-initial",
-            f"there is no mode '{initial.value}'",
-            report.nearest(initial.value, table.keys)
-            or "write the modes and their nodes into `sets`",
+            f"unknown mode '{initial.value}'",
+            report.nearest(initial.value, table.keys) or "add the modes and their nodes to `sets`",
         )
-    if len(sets) > MOST_MODES:
+    if len(sets) > MAX_MODES:
         report.error(
             table.owner,
             "out-of-range",
-            f"{len(sets)} modes, and {MOST_MODES} are the most",
-            "modes exchange nodes; flight modes are a field of a message",
+            f"expected at most {MAX_MODES} modes, found {len(sets)}",
+            "use modes to exchange nodes only; flight modes are a field of a message",
         )
     publisher = _mode_publisher(record.keys["modes"], nodes, report)
     if publisher is None or initial is None:
@@ -54,22 +53,22 @@ def _set(leaf: Leaf, record: Record, nodes: Nodes, report: Report) -> tuple[str,
             report.error(
                 name.mark,
                 "mode-node",
-                f"there is no node '{name.value}'",
+                f"unknown node '{name.value}'",
                 report.nearest(name.value, nodes.declared),
             )
         elif node is not None and "device" in node.keys:
             report.error(
                 name.mark,
                 "mode-driver",
-                f"'{name.value}' owns a device, and drivers always run",
+                f"'{name.value}' owns a device: such a node always runs",
                 "remove it from the mode",
             )
         elif name.value in names:
             report.error(
                 name.mark,
                 "mode-repeat",
-                f"'{name.value}' is in this mode already",
-                "remove one of the two",
+                f"duplicate node '{name.value}' in this mode",
+                "keep one of them",
             )
         else:
             names.append(name.value)
@@ -85,13 +84,14 @@ def _mode_publisher(mark: Mark, nodes: Nodes, report: Report) -> Node | None:
     if not publishers and nodes.may_publish(MODE_TOPIC):
         return None
     if len(publishers) != 1:
-        found = "there are " + " and ".join(f"'{node.name}'" for node in publishers)
+        found = " and ".join(f"'{node.name}'" for node in publishers) or "none"
         report.error(
             mark,
             "mode-topic",
-            "modes need exactly one node that publishes the topic "
-            f"'{MODE_TOPIC}', and {found if publishers else 'there is none'}",
-            "it says which of the sets runs",
+            f"expected one node that publishes the topic '{MODE_TOPIC}', found {found}",
+            "keep one of them: it selects the mode"
+            if publishers
+            else "add one: it selects the mode",
         )
         return None
     output = next(o for o in publishers[0].outputs.values() if o.topic == MODE_TOPIC)
@@ -105,9 +105,9 @@ def _mode_publisher(mark: Mark, nodes: Nodes, report: Report) -> Node | None:
         report.error(
             output.mark,
             "message-mismatch",
-            f"the topic '{MODE_TOPIC}' carries "
-            f"{MODE_MESSAGE}, with a uint8 '{MODE_TOPIC}', not this {message.name}",
-            "give this topic another name",
+            f"expected the message {MODE_MESSAGE} with the field `{MODE_TOPIC}: uint8` on topic "
+            f"'{MODE_TOPIC}', found {message.name}",
+            "rename this topic",
         )
         return None
     return publishers[0]
@@ -119,8 +119,8 @@ def _check_publisher_runs(node: Node, sets: dict[str, tuple[str, ...]], report: 
         report.error(
             node.mark,
             "mode-topic",
-            f"'{node.name}' switches the modes, and does not run in "
-            f"'{missing[0]}', which would never end",
+            f"'{node.name}' selects the mode, and does not run in '{missing[0]}': that mode could "
+            "not end",
             "remove it from all modes: then it always runs",
         )
 
@@ -134,7 +134,7 @@ def read_chains(record: Record, nodes: Nodes, report: Report) -> tuple[Chain, ..
                 report.error(
                     leaf.mark,
                     "chain-node",
-                    f"there is no node '{leaf.value}'",
+                    f"unknown node '{leaf.value}'",
                     report.nearest(leaf.value, nodes.declared),
                 )
         if path is None or deadline is None:
@@ -161,6 +161,6 @@ def _check_link(before: str, after: str, mark: Mark, nodes: Nodes, report: Repor
         report.error(
             mark,
             "chain-link",
-            f"'{after}' reads nothing that '{before}' publishes",
-            "name every node on the way of the samples, first to last",
+            f"'{after}' reads no topic that '{before}' publishes",
+            "name every node of the chain, from first to last",
         )

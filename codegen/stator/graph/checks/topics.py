@@ -1,4 +1,4 @@
-"""Topics follow from the nodes' ports: who publishes, who reads, and whether that fits."""
+"""Derives the topics from the ports of the nodes, and checks publishers against readers."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from stator.diagnostics import Mark, Report, beside
 from stator.graph.checks.cycles import check_cycles
 from stator.graph.checks.params import check_params_publisher
 from stator.graph.model import Message, Node, NodeOutput, Topic, TopicConfig
-from stator.language.keys import DEPTHS, MOST_LOGGED_BYTES
+from stator.language.keys import DEPTHS, MAX_LOGGED_BYTES
 from stator.language.period import Period
-from stator.language.shapes import Record, items
+from stator.language.shapes import Record, items, quoted
 from stator.language.yaml_tree import Scalar
+from stator.quantities import split
 
 if TYPE_CHECKING:
     from stator.graph.checks.nodes import Nodes
@@ -54,7 +55,7 @@ def connect(record: Record, nodes: Nodes, report: Report) -> dict[str, Topic]:
             report.error(
                 record.get("topics").keys[name],
                 "topic-unused",
-                f"no node publishes topic '{name}'",
+                f"unknown topic '{name}': no node publishes or reads it",
                 report.nearest(name, topics),
             )
     check_cycles(nodes.good, topics, report)
@@ -84,8 +85,8 @@ def _config(value: Record, mark: Mark, report: Report) -> TopicConfig:
         report.error(
             depth.mark,
             "depth-power",
-            f"depth {depth.value} is no power of two",
-            f"write {above}, or leave it out: then it follows from the rates",
+            f"expected a power of two as depth, found {depth.value}",
+            f"write {above}, or remove `depth`: it then follows from the rates",
         )
     return TopicConfig(
         _log(value, report),
@@ -99,33 +100,41 @@ def _log(value: Record, report: Report) -> str | int | None:
     leaf = value.get("log")
     if leaf is None or leaf.value in ("all", "none"):
         return None if leaf is None else str(leaf.value)
+    if split(leaf.value) is None:
+        report.error(
+            leaf.mark,
+            "wrong-type",
+            f"expected all, none or a rate, found {quoted(leaf.value)}",
+            "write all, none, or a rate, for example 50 Hz",
+        )
+        return None
     period = Period().read(Scalar(leaf.value, leaf.mark), report)
     return None if period is None else int(period.value)
 
 
 def _check_log_size(topic: Topic, value: Record, report: Report) -> None:
-    if topic.config.log in (None, "none") or topic.message.bytes <= MOST_LOGGED_BYTES:
+    if topic.config.log in (None, "none") or topic.message.bytes <= MAX_LOGGED_BYTES:
         return
     report.error(
         value.get("log").mark,
         "log-large",
-        f"{topic.message.name} takes "
-        f"{topic.message.bytes} bytes, and a block of the log holds {MOST_LOGGED_BYTES}",
+        f"expected a message of at most {MAX_LOGGED_BYTES} bytes in the log, found "
+        f"{topic.message.bytes} bytes in {topic.message.name}",
         "write `log: none`, or split the message",
     )
 
 
 def _check_message(name: str, publishers: Publishers, message: Message, report: Report) -> None:
-    for node, output in publishers[1:]:
+    for _, output in publishers[1:]:
         if output.port.message is not message:
             first = publishers[0][1].mark
             report.error(
                 output.mark,
                 "message-mismatch",
-                f"'{node.name}' publishes "
-                f"{output.port.message.name} on '{name}', and '{publishers[0][0].name}' "
-                f"publishes {message.name} ({beside(output.mark, first)})",
-                "give one of them a topic of its own",
+                f"expected message {message.name} on topic '{name}', found "
+                f"{output.port.message.name}",
+                f"'{publishers[0][0].name}' publishes {message.name} "
+                f"({beside(output.mark, first)}); rename one of the topics",
             )
 
 
@@ -142,7 +151,7 @@ def _modes_of(record: Record) -> dict[str, frozenset[str]]:
 def _check_publishers(
     name: str, publishers: Publishers, modes_of: dict[str, frozenset[str]], report: Report
 ) -> None:
-    """One at a time: only nodes that no mode runs together may share a topic."""
+    """One publisher at a time: nodes may share a topic only if no mode runs both."""
     if len(publishers) == 1:
         return
     in_mode: dict[str, tuple[Node, NodeOutput]] = {}
@@ -160,9 +169,10 @@ def _check_publishers(
             report.error(
                 output.mark,
                 "publishers",
-                f"'{name}' is published by '{other[0].name}' "
-                f"already ({beside(output.mark, other[1].mark)})",
-                f"if both are meant, write `topics: {{{name}: {{publishers: many}}}}`",
+                f"expected one publisher of topic '{name}', found '{other[0].name}' and "
+                f"'{node.name}'",
+                f"first one: {beside(output.mark, other[1].mark)}; rename one of the topics, or "
+                f"write `topics: {{{name}: {{publishers: many}}}}`",
             )
 
 
@@ -172,8 +182,8 @@ def _check_params_name(name: str, mark: Mark, nodes: dict[str, Node], report: Re
         report.error(
             mark,
             "reserved-name",
-            f"topic '{name}' carries the parameters of '{node.name}'",
-            "give this one another name",
+            f"'{name}' cannot be a topic name: it carries the parameters of '{node.name}'",
+            "rename this topic",
         )
 
 
@@ -185,7 +195,7 @@ def _check_inputs(nodes: Nodes, topics: dict[str, Topic], report: Report) -> Non
                 report.error(
                     source.mark,
                     "topic-unpublished",
-                    f"topic '{source.topic}' is read and never published",
+                    f"unknown topic '{source.topic}': no node publishes it",
                     report.nearest(source.topic, topics),
                 )
             elif topic is not None and topic.message is not source.port.message:
@@ -193,11 +203,10 @@ def _check_inputs(nodes: Nodes, topics: dict[str, Topic], report: Report) -> Non
                 report.error(
                     source.mark,
                     "message-mismatch",
-                    f"input '{key}' reads "
-                    f"{source.port.message.name}, and '{topic.name}' carries "
-                    f"{topic.message.name}",
+                    f"expected a topic of message {source.port.message.name} for input '{key}', "
+                    f"found '{topic.name}' of {topic.message.name}",
                     report.nearest(source.topic, fitting)
-                    or f"no topic carries {source.port.message.name}",
+                    or f"add a node that publishes {source.port.message.name}",
                 )
 
 
@@ -207,6 +216,6 @@ def _check_loggers(nodes: dict[str, Node], report: Report) -> None:
         report.error(
             node.mark,
             "log-many",
-            f"'{loggers[0].name}' is a logger already ({beside(node.mark, loggers[0].mark)})",
-            "keep one of them",
+            f"expected one logger, found '{loggers[0].name}' and '{node.name}'",
+            f"first one: {beside(node.mark, loggers[0].mark)}; keep one of them",
         )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from stator.diagnostics import beside
 from stator.graph.model import Trigger
-from stator.language.keys import MOST_TIMERS, TRIGGER
+from stator.language.keys import MAX_TIMERS, TRIGGER
 from stator.language.period import spelled_us
 
 if TYPE_CHECKING:
@@ -38,9 +38,8 @@ class TriggerReader:
                 self._report.error(
                     record.mark,
                     "trigger-twice",
-                    "the same trigger twice",
-                    f"the other one is in {beside(record.mark, triggers[key].mark)}; "
-                    "remove one of them",
+                    "duplicate trigger",
+                    f"first one: {beside(record.mark, triggers[key].mark)}; keep one of them",
                 )
                 continue
             triggers[key] = trigger
@@ -50,12 +49,12 @@ class TriggerReader:
                 self._check_topic(trigger)
         self._check_timer(leaf)
         timers = sum(trigger.kind == "every" for trigger in triggers.values())
-        if timers > MOST_TIMERS:
+        if timers > MAX_TIMERS:
             self._report.error(
                 leaf.mark,
                 "out-of-range",
-                f"{timers} periods in one node, and {MOST_TIMERS} are the most",
-                "share them out among several nodes",
+                f"expected at most {MAX_TIMERS} periods in one node, found {timers}",
+                "move some of them to another node",
             )
         return tuple(triggers.values())
 
@@ -67,8 +66,9 @@ class TriggerReader:
         self._report.error(
             leaf.mark,
             "timer-missing",
-            f"'{self._node}' has no timer, and '{self._interface.name}' needs one",
-            "add one to its triggers, for example {every: 10 ms}",
+            f"missing trigger `every` of '{self._node}': app '{self._interface.name}' needs a "
+            "timer",
+            "add one, for example {every: 10 ms}",
         )
 
     def _trigger(self, record: Record) -> Trigger | None:
@@ -86,7 +86,7 @@ class TriggerReader:
                 self._report.error(
                     record.keys[key],
                     "trigger-key",
-                    f"'{key}' goes with `{owner}`, not with `{kind}`",
+                    f"key '{key}' belongs to trigger `{owner}`, found in trigger `{kind}`",
                     f"remove it, or write '{fitting[0]}'",
                 )
         trigger = Trigger(
@@ -107,16 +107,16 @@ class TriggerReader:
             self._report.error(
                 record.mark,
                 "trigger-kind",
-                "a trigger is one of irq, topic, every; this one is none",
-                "for example {every: 10 ms}",
+                "expected one of irq, topic, every in a trigger, found none",
+                "add one, for example {every: 10 ms}",
             )
             return
         split = ", ".join("{" + kind + ": ...}" for kind in kinds)
         self._report.error(
             record.keys[kinds[1]],
             "trigger-kind",
-            f"a trigger is one of irq, topic, every; this one is {' and '.join(kinds)}",
-            f"write a list of triggers, any of which activates: [{split}]",
+            f"expected one of irq, topic, every in a trigger, found {' and '.join(kinds)}",
+            f"write a list of triggers: [{split}]; each of them activates the node",
         )
 
     def _check_times(self, trigger: Trigger, record: Record) -> None:
@@ -124,8 +124,8 @@ class TriggerReader:
             self._report.error(
                 record.get("offset").mark,
                 "offset-range",
-                f"an offset of {spelled_us(trigger.offset_us)} does not lie within the "
-                f"period of {spelled_us(trigger.period_us)}",
+                f"expected an offset shorter than the period of {spelled_us(trigger.period_us)}, "
+                f"found {spelled_us(trigger.offset_us)}",
                 f"write {spelled_us(trigger.offset_us % trigger.period_us)}",
             )
         most = trigger.max_interval_us
@@ -134,8 +134,8 @@ class TriggerReader:
             self._report.error(
                 record.get("max_interval").mark,
                 "interval-range",
-                f"{spelled_us(most)} is shorter than the {spelled_us(least)} that lie "
-                "between two activations",
+                f"expected at least {spelled_us(least)} (the shortest time between two "
+                f"activations), found {spelled_us(most)}",
                 f"write {spelled_us(least)} or more",
             )
 
@@ -156,8 +156,8 @@ class TriggerReader:
             self._report.error(
                 trigger.mark,
                 "trigger-not-input",
-                f"topic '{trigger.name}' is none of the inputs of '{self._node}'",
-                self._report.nearest(trigger.name, topics) or "wire it to an input",
+                f"no input of '{self._node}' reads topic '{trigger.name}'",
+                self._report.nearest(trigger.name, topics) or "connect an input to it",
             )
 
     def _check_read(self, trigger: Trigger, name: str, source: Record) -> None:
@@ -168,14 +168,14 @@ class TriggerReader:
             self._report.error(
                 read.mark,
                 "thinned-queue",
-                f"'{trigger.name}' has `min_interval`, and a thinned input is latest",
+                f"expected `read: latest` with `min_interval` on '{trigger.name}', found queue",
                 "remove `read: queue` or `min_interval`",
             )
             return
         self._report.error(
             read.mark,
             "trigger-read",
-            f"input '{name}' triggers the node, so every sample is read in order",
+            f"input '{name}' triggers the node, which reads every sample in order",
             "remove `read`"
             + (", or add `min_interval` to the trigger" if read.value == "latest" else ""),
         )
@@ -185,8 +185,8 @@ class TriggerReader:
             self._report.error(
                 trigger.mark,
                 "irq-needs-device",
-                f"'{self._node}' owns no device, so it has no lines",
-                "add `device:`; only a node with one does input and output",
+                f"'{self._node}' has no device: only a node with a device has irq triggers",
+                "add `device:`, or use another trigger",
             )
             return
         lines = self._interface.lines
@@ -194,8 +194,8 @@ class TriggerReader:
             self._report.error(
                 trigger.mark,
                 "line-unknown",
-                f"device class '{self._interface.name}' has no line '{trigger.name}'",
-                self._report.nearest(trigger.name, lines) or "it has no lines",
+                f"unknown line '{trigger.name}' of device class '{self._interface.name}'",
+                self._report.nearest(trigger.name, lines) or "remove it: this class has no lines",
             )
             return
         device = self._record.value("device")
@@ -205,7 +205,7 @@ class TriggerReader:
             self._report.error(
                 trigger.mark,
                 "line-not-on-board",
-                f"board '{board.name}' does not wire line '{trigger.name}' of '{device}'",
+                f"board '{board.name}' does not connect line '{trigger.name}' of device '{device}'",
                 f"add `lines: {{{trigger.name}: PIN}}` to '{device}' in its board.yaml",
             )
             return

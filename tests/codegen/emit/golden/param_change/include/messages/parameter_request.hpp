@@ -7,7 +7,7 @@
 
 namespace stator {
 
-// Somebody asks for a parameter, or for a change of it.
+// A request for a parameter, or to change one.
 struct ParameterRequest {
     enum class Requester : uint8_t {
         kNone = 0,
