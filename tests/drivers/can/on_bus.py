@@ -373,6 +373,18 @@ def esc_status(index: int) -> Any:
     )  # fmt: skip
 
 
+def send_and_wait(bus: socket.socket, part: Part, payload: Any) -> None:
+    """Until our node has had the time to read it, however slow it is: its queue of frames is
+    short. Its newest command may be older than what is sent here, the one after that is not."""
+    part.send(payload)
+    with contextlib.suppress(BlockingIOError):
+        bus.setblocking(False)
+        while True:
+            bus.recv(16)
+    bus.settimeout(PATIENCE_S)
+    commands(bus, 2)
+
+
 def test_what_controllers_and_a_receiver_do_not_know_is_nan_and_the_rest_counts(link: Link) -> None:
     fields = ["voltage", "current", "temperature"]
     with raw_socket() as bus:
@@ -387,10 +399,10 @@ def test_what_controllers_and_a_receiver_do_not_know_is_nan_and_the_rest_counts(
             for index, esc in enumerate(escs):
                 status = esc_status(index)
                 setattr(status, fields[index], math.nan)
-                esc.send(status)
-            receiver.send(uavcan.equipment.gnss.Auxiliary(hdop=0.8, vdop=math.nan))
-            receiver.send(fix)
-            commands(bus, 5)
+                send_and_wait(bus, esc, status)
+            geometry = uavcan.equipment.gnss.Auxiliary(hdop=0.8, vdop=math.nan)
+            send_and_wait(bus, receiver, geometry)
+            send_and_wait(bus, receiver, fix)
     log = link.stop()
     status = newest(log, "esc_status")
     assert (status["esc_online_flags"], status["rejected"]) == (0b0111, 0)
@@ -423,10 +435,9 @@ def test_four_controllers_and_a_receiver_are_heard(link: Link) -> None:
         for _ in range(6):
             wait_for_us(bus)
             for index, esc in enumerate(escs):
-                esc.send(esc_status(index))
-            receiver.send(fix)
-            receiver.send(uavcan.equipment.gnss.Auxiliary(hdop=0.8, vdop=1.2))
-            commands(bus, 5)
+                send_and_wait(bus, esc, esc_status(index))
+            send_and_wait(bus, receiver, fix)
+            send_and_wait(bus, receiver, uavcan.equipment.gnss.Auxiliary(hdop=0.8, vdop=1.2))
     log = link.stop()
     status = newest(log, "esc_status")
     assert status["esc_online_flags"] == 0b1111
