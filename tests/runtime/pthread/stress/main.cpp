@@ -8,6 +8,7 @@
 
 #include "../topic_rig.hpp"
 #include "apps/hammer/hammer.hpp"
+#include "internal.hpp"
 #include "stator/answers.hpp"
 #include "stator/pthread.hpp"
 #include "tasks.hpp"
@@ -51,7 +52,7 @@ class Monitor {
         std::array<uint8_t, 1100> body;
         for (unsigned first = 0; first < program.task_count; first += kMaxTasksTold) {
             Writer out(body.data());
-            put_tasks(out, program, clock_us(), first);
+            put_tasks(out, program, clock_us(), first, figures_of);
         }
     }
     uint32_t samples() const { return samples_; }
