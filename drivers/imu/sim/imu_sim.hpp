@@ -8,8 +8,8 @@ namespace stator::drivers::imu::sim {
 
 class ImuSim {
   public:
-    // The registers of the part. The board writes a sample, then raises data_ready; a sample that
-    // nobody read until the next one is gone.
+    // The registers of the part. The board writes a sample, then raises data_ready; the next
+    // sample overwrites one that has not been read.
     using Device = ImuSimSample;
 
     explicit ImuSim(Device& device) : device_(device) {}
