@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from importlib import import_module
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from stator.diagnostics import INTERRUPTED, NOT_DONE, Failed, UserError, show_errors
 
@@ -40,6 +40,7 @@ COMMANDS = (
     Command("test", "all", "run all tests"),
     Command("lint", "host", "check the format and style of the code"),
     Command("schema", "", "print the JSON Schema of graph files, for editors"),
+    Command("completion", "", "print the completion of this command line for a shell"),
     Command("setup", "all", "install missing tools and packages"),  # done by ./stator itself
 )
 
@@ -77,18 +78,36 @@ def _run(argv: list[str]) -> int:
     return status
 
 
+class _ShowVersion(argparse.Action):
+    """Unlike argparse's own action, it asks git only if it is used."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        from stator.version import version_text
+
+        print(version_text())
+        parser.exit()
+
+
 def _parser(chosen: str) -> argparse.ArgumentParser:
-    """Imports only the chosen command, so that `check` starts fast."""
+    """Imports only the chosen command, so that `check` starts fast. `completion` needs all."""
     parser = argparse.ArgumentParser(
         prog="stator", description="Flight software from one YAML graph."
+    )
+    parser.add_argument(
+        "--version",
+        action=_ShowVersion,
+        nargs=0,
+        help="show the version, the commit and the schema",
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for name, _, text in COMMANDS:
         command = commands.add_parser(name, help=text, description=text)
-        if name == chosen and name != "setup":
+        if chosen in (name, "completion") and name != "setup":
             module = import_module(f"stator.commands.{name}")
             module.add_arguments(command)
             command.set_defaults(run=module.main)
+    if chosen == "completion":
+        parser.set_defaults(parser=parser)
     return parser
 
 

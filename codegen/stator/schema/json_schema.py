@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Any
 from stator.graph import failsafe
 from stator.language import keys as language
 from stator.mission import yaml as mission_yaml
+from stator.version import SCHEMA_VERSION
 
 if TYPE_CHECKING:
     from stator.language.shapes import Shape
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_VERSION = f"schema {SCHEMA_VERSION}"
 _SUBSCHEMAS = ("properties", "patternProperties")
 
 # The kinds of files.
@@ -37,6 +39,7 @@ def graph_schema() -> dict[str, Any]:
     return {
         "$schema": _DIALECT,
         "title": "Stator graph",
+        "$comment": _VERSION,
         "if": {"required": ["board"], "not": {"required": ["include"]}},
         "then": strict,
         "else": _part(strict),
@@ -53,7 +56,8 @@ def schema(kind: str) -> dict[str, Any]:
     """The schema of one kind of file, of KINDS."""
     if kind == "graph":
         return graph_schema()
-    return {"$schema": _DIALECT, "title": f"Stator {kind}", **KINDS[kind].schema()}
+    head = {"$schema": _DIALECT, "title": f"Stator {kind}", "$comment": _VERSION}
+    return head | KINDS[kind].schema()
 
 
 def _part(strict: dict[str, Any]) -> dict[str, Any]:
