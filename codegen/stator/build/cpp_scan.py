@@ -27,7 +27,8 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
-_COMMENT = re.compile(r"/\*.*?\*/|\\\r?\n", re.DOTALL)
+_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+_JOINED = re.compile(r"\\\r?\n")
 _DIRECTIVE = re.compile(r"(?:#|%:)\s*(?P<name>\w+)\s*(?P<rest>.*)", re.DOTALL)
 _NAMED = re.compile(r'"([^"\n]*)"|<([^>\n]*)>')
 _INCLUDES = ("include", "include_next", "import")
@@ -120,7 +121,7 @@ class Source:
 def _directive(token: _Token) -> tuple[str, str]:
     if token.kind != "directive":
         return "", ""
-    match = _DIRECTIVE.match(_COMMENT.sub(" ", token.text))
+    match = _DIRECTIVE.match(_COMMENT.sub(" ", _JOINED.sub("", token.text)))
     return (match["name"], match["rest"]) if match else ("", "")
 
 

@@ -1,5 +1,7 @@
-"""What an app, a driver or a board may include, and where it may declare: the build checks it first,
-before it compiles. Include folders cannot refuse everything: not `../`, and not the standard library.
+"""What an app, a driver or a board may include, and where it may declare.
+
+The build checks it before it compiles: include folders cannot refuse `../`, nor the standard
+library.
 
     python -m stator.build.walls --node FOLDER PORTS ... --board FOLDER --stamp FILE
 
@@ -26,6 +28,9 @@ if TYPE_CHECKING:
 
 # Rooms of the runtime that a node sees. Its ports include others, which are not for it.
 ROOMS = ("core", "math", "dronecan", "bytes")
+
+# A driver's part of the simulated world, which generated code includes.
+OF_WORLD = "_world.hpp"
 
 # The standard library without clocks, input and output, allocation, threads and libm.
 STANDARD = frozenset(
@@ -90,8 +95,10 @@ class Node(NamedTuple):
 
     @property
     def sources(self) -> list[Path]:
+        """What is compiled, or included from outside."""
         stem = self.room.name.split("/", 1)[1].replace("/", "_")
-        return [*sorted(self.folder.glob("*.cpp")), self.folder / f"{stem}.hpp"]
+        main, of_world = self.folder / f"{stem}.hpp", sorted(self.folder.glob(f"*{OF_WORLD}"))
+        return [*sorted(self.folder.glob("*.cpp")), main, *of_world]
 
     def namespace(self, file: Path) -> tuple[str, ...]:
         """Its folder's. What all drivers of a class share lies beside the class's interface."""
@@ -144,7 +151,7 @@ class Walls:
                 found = _own_file(include, file, node.folder)
                 if found is not None and node.owns(found):
                     todo.append(found)
-                else:
+                elif not (file.name.endswith(OF_WORLD) and include.name.startswith("world/")):
                     self._check_include(include, found, node, messages)
             own = node.namespace(file)
             for outside in source.outside(own):
@@ -198,7 +205,7 @@ class Walls:
         elif name.startswith("stator/"):
             if not any((HOME / "runtime" / room / name).is_file() for room in ROOMS):
                 self._error(include.mark, f"{_a(kind)} cannot include {_runtime(name)}", sees)
-        elif name.startswith(("Eigen/", "dronecan/")) or (node.ports / name).is_file():
+        elif name.startswith(("Eigen/", "dronecan/")) or name in _names_in(node.ports):
             pass
         elif include.is_quoted or ".." in Path(name).parts:
             self._error(include.mark, f"{_a(kind)} cannot include '{name}'", sees)
@@ -215,6 +222,10 @@ def _own_file(include: Include, file: Path, folder: Path) -> Path | None:
         return None
     places = (file.parent / include.name, folder / include.name)
     return next((place.resolve() for place in places if place.is_file()), None)
+
+
+def _names_in(folder: Path) -> set[str]:
+    return {file.name for file in folder.glob("*.hpp")}
 
 
 def _refusal(name: str) -> tuple[str, str]:
