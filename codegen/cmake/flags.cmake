@@ -14,6 +14,13 @@ if(STATOR_RECORDING)
 endif()
 get_target_property(eigen_folder Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 target_include_directories(stator_flags SYSTEM INTERFACE ${eigen_folder})
+# gcc compares definitions of one name where it optimises a whole program. Unoptimised, nothing is
+# inlined before it looks.
+if(STATOR_ODR)
+    set(CMAKE_INTERPROCEDURAL_OPTIMIZATION ON)
+    target_compile_options(stator_flags INTERFACE -O0)
+    target_link_options(stator_flags INTERFACE -Wodr -Werror=odr -Werror=lto-type-mismatch)
+endif()
 if(STATOR_SANITIZE)
     target_compile_options(stator_flags INTERFACE
         -fsanitize=${STATOR_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)

@@ -33,6 +33,25 @@ macro(stator_generate folder graph board)
     set_property(DIRECTORY "${CMAKE_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${graph_inputs})
 endmacro()
 
+# What nodes and the board may include and declare is checked before they are compiled: TARGET_walls.
+function(stator_add_walls target folder libraries)
+    set(arguments)
+    foreach(entry IN LISTS libraries)
+        string(REGEX MATCH "^[^=]+=([^=]+)=(.*)$" matched "${entry}")
+        list(APPEND arguments --node "${CMAKE_MATCH_2}" "${folder}/ports/${CMAKE_MATCH_1}")
+    endforeach()
+    set(stamp "${CMAKE_BINARY_DIR}/generated/${target}_walls")
+    add_custom_command(
+        OUTPUT "${stamp}"
+        COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${CMAKE_SOURCE_DIR}/codegen"
+                "${STATOR_PYTHON}" -m stator.build.walls ${arguments} --board "${graph_board}" --stamp "${stamp}"
+        DEPENDS "${CMAKE_SOURCE_DIR}/codegen/stator/build/walls.py" "${CMAKE_SOURCE_DIR}/codegen/stator/build/cpp_scan.py"
+        DEPFILE "${stamp}.d"
+        COMMENT "Checking what nodes of ${target} include"
+        VERBATIM)
+    add_custom_target(${target}_walls DEPENDS "${stamp}")
+endfunction()
+
 # Everything of the graph but its board: TARGET_generated, and a target for each app and driver.
 function(stator_add_graph_parts target graph board)
     set(folder "${CMAKE_BINARY_DIR}/generated/${target}")
@@ -45,6 +64,11 @@ function(stator_add_graph_parts target graph board)
         INTERFACE stator_${graph_executor} stator_flags stator_math stator_dronecan stator_bytes)
     if(NOT graph_executor STREQUAL "replay")  # which has ports of its own, and no logger
         target_link_libraries(${target}_interfaces INTERFACE stator_log stator_parameter_port)
+    endif()
+
+    if(STATOR_WALLS)
+        stator_add_walls(${target} "${folder}" "${graph_libraries}")
+        add_dependencies(${target}_interfaces ${target}_walls)
     endif()
 
     # And each its own folder and ports.

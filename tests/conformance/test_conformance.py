@@ -11,7 +11,7 @@ from tests.conformance.expected import SCENARIOS
 from tests.emulation.firmware_tools import needs_emulator
 
 from stator import HOME
-from stator.build.cmake import build
+from stator.build.cmake import NO_WALLS, build
 from stator.emulator.qemu import qemu_command
 from stator.pipeline import make_plan
 
@@ -57,7 +57,7 @@ def _trace(board: str) -> list[str]:
 def _run(board: str) -> subprocess.CompletedProcess[str]:
     """The first run that was not late, or else the last one."""
     emulator = needs_emulator() if board == "qemu" else None
-    program = build(GRAPH, board)
+    program = build(GRAPH, board, NO_WALLS)
     command = qemu_command(emulator, program) if emulator else [str(program)]
     for _ in range(MAX_RUNS):
         finished = subprocess.run(

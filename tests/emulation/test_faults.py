@@ -8,7 +8,7 @@ import pytest
 from tests.emulation.firmware_tools import needs_emulator
 
 from stator import HOME
-from stator.build.cmake import build, build_plant
+from stator.build.cmake import NO_WALLS, build, build_plant
 from stator.emulator.qemu import fly
 from stator.live.fault_record import FaultRecord, active_tasks, explain, records_in
 from stator.pipeline import make_plan
@@ -22,7 +22,7 @@ BEGIN_US = 10_000  # of the wrecker
 @pytest.fixture(scope="module")
 def image() -> Path:
     needs_emulator()
-    return build(GRAPH, None, executor="cortex_m")
+    return build(GRAPH, None, NO_WALLS, executor="cortex_m")
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import subprocess
 from tests.emulation.firmware_tools import needs_emulator
 
 from stator import HOME
-from stator.build.cmake import build
+from stator.build.cmake import NO_WALLS, build
 from stator.emulator.qemu import qemu_command
 
 GRAPH = HOME / "tests" / "emulation" / "graphs" / "order.yaml"
@@ -38,7 +38,7 @@ EXPECTED = [
 
 def test_what_runs_and_in_which_order() -> None:
     emulator = needs_emulator()
-    image = build(GRAPH, None, executor="cortex_m")
+    image = build(GRAPH, None, NO_WALLS, executor="cortex_m")
     finished = subprocess.run(
         qemu_command(emulator, image), capture_output=True, text=True, timeout=LIMIT_S, check=False
     )

@@ -6,7 +6,7 @@ import subprocess
 from typing import TYPE_CHECKING
 
 from stator import HOME
-from stator.build.cmake import PLAIN, RECORDING, build
+from stator.build.cmake import NO_WALLS, PLAIN, RECORDING, build
 from stator.build.image_checks import sections_of
 from stator.emulator.qemu import find_emulator, qemu_command
 
@@ -35,7 +35,7 @@ MAX_MASKED = 30
 
 def counts(variant: Mapping[str, str] = PLAIN) -> list[tuple[str, int, int, int | None]]:
     """Text, minimum, maximum, bound. Raises `NoEmulator` if there is no emulator."""
-    image = build(GRAPHS / "counts.yaml", None, variant, executor="cortex_m")
+    image = build(GRAPHS / "counts.yaml", None, {**variant, **NO_WALLS}, executor="cortex_m")
     rows = _run(image)
     found = [
         (what, least, most, bound) for (what, bound), (least, most) in zip(WAYS, rows, strict=True)
@@ -43,7 +43,9 @@ def counts(variant: Mapping[str, str] = PLAIN) -> list[tuple[str, int, int, int 
     (_, *plain, _), (_, *reading, _) = found[-2:]
     least, most = (b - a - READERS_OWN for a, b in zip(plain, reading, strict=True))
     found.append(("of this, taking and releasing the newest sample", least, most, 10))
-    recorded = _run(build(GRAPHS / "counts_recorded.yaml", None, RECORDING, executor="cortex_m"))
+    recorded = _run(
+        build(GRAPHS / "counts_recorded.yaml", None, {**RECORDING, **NO_WALLS}, executor="cortex_m")
+    )
     for way, bound in RECORDED_WAYS.items():
         found.append((f"{WAYS[way][0]}; counted and recorded", *recorded[way], bound))
     return found + _sections(image)

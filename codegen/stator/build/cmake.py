@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
@@ -15,13 +16,13 @@ from stator.pipeline import make_buildable_plan
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
     from stator.plan.plan import Plan
 
 PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # activations take time, so others can preempt
 RECORDING = {"STATOR_RECORDING": "ON"}  # the log of each flight contains a recording
 PLAIN = {"STATOR_COUNTERS": "OFF"}  # activations are not timed
+NO_WALLS = {"STATOR_WALLS": "OFF"}  # for tests whose nodes look outside
 SLEEP = {"STATOR_SLEEP": "ON"}  # bare metal sleeps when idle (default: busy loop)
 TOOLCHAIN = HOME / "codegen" / "cmake" / "cortex_m4f.cmake"
 INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate", "pthread": "./stator run"}
@@ -122,7 +123,9 @@ def _one_line(text: str) -> None:
 def _run(command: list[str]) -> None:
     result = subprocess.run(command, check=False, capture_output=True, text=True)
     if result.returncode != 0:
-        lines = (result.stdout + result.stderr).splitlines()
+        output = (result.stdout + result.stderr).replace(f"{Path.cwd()}/", "")
+        # Without the long command that ninja repeats.
+        lines = re.sub(r"^FAILED: .*\n.*\n", "", output, flags=re.MULTILINE).splitlines()
         first = next((i for i, line in enumerate(lines) if "error" in line.lower()), 0)
         shown = "\n".join(lines[max(0, first - 2) : first + 40])
         raise BuildFailed(

@@ -12,7 +12,7 @@ from tests.emulation.firmware_tools import needs_toolchain
 
 from stator import HOME
 from stator.bench.counts import GRAPHS
-from stator.build.cmake import build
+from stator.build.cmake import NO_WALLS, build
 from stator.build.image import sizes_of, total_of
 from stator.build.image_checks import faults_of, sections_of
 from stator.graph.check import check
@@ -170,7 +170,7 @@ def test_a_task_and_its_topic_take_few_bytes() -> None:
     """Beyond its samples: of a node with one trigger, and of a topic of depth 1. What `top` shows
     of a task's time takes 16 bytes more (TaskCounters)."""
     needs_toolchain()
-    image = build(GRAPHS / "counts.yaml", None, executor="cortex_m")
+    image = build(GRAPHS / "counts.yaml", None, NO_WALLS, executor="cortex_m")
     lines = subprocess.run(
         ["arm-none-eabi-nm", "-S", "-C", image], check=True, capture_output=True, text=True
     ).stdout.splitlines()
