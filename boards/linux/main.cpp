@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 
@@ -56,10 +57,20 @@ bool is_alone(int file) {
     return false;
 }
 
-[[nodiscard]] bool close(const char* path, std::FILE* file, bool is_whole) {
+// A full disk, a file at its size limit and a pipe that nobody reads cost the log, not the flight:
+// the write fails, as it does without these signals.
+void fly_on_without_log() {
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::signal(SIGPIPE, SIG_IGN);
+}
+
+// `reason`: of the first write that failed; 0 if there is none, or it is not known.
+[[nodiscard]] bool close(const char* path, std::FILE* file, bool is_whole, int reason = 0) {
     if (file == nullptr) return true;
-    if (std::fclose(file) == 0 && is_whole) return true;
-    std::fprintf(stderr, "error: cannot write all data to '%s'\n", path);
+    if (std::fclose(file) != 0 && reason == 0) reason = errno;
+    if (is_whole && reason == 0) return true;
+    std::fprintf(stderr, "error: cannot write all data to '%s'%s%s\n", path,
+                 reason == 0 ? "" : ": ", reason == 0 ? "" : std::strerror(reason));
     return false;
 }
 
@@ -191,6 +202,7 @@ int main(int count, char** arguments) {
     world::Options options;
     board::RunOptions run;
     std::FILE* truth = nullptr;
+    fly_on_without_log();
     if (!board::take_run_options(count, arguments, run)) return 2;
     if (!world::parse(count, arguments, options)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
@@ -208,10 +220,11 @@ int main(int count, char** arguments) {
     if (!came_to_rest) tell_unrest();
     print(world, wall_s);
     if (is_any_level_left()) leave(board::log_storage.file, truth);
-    const bool log_written =
-        close(options.log, board::log_storage.file, board::log_storage.errors == 0);
+    const bool log_written = close(options.log, board::log_storage.file,
+                                   board::log_storage.errors == 0, board::log_storage.reason);
     const bool truth_written = close(options.truth, truth, world.truth_is_whole());
     if (ending == Ending::kSignal) return 128 + ending_signal();
-    if (!came_to_rest || !log_written || !truth_written) return 1;
-    return board::system0.restarts ? kRestart : 0;
+    if (!came_to_rest) return 1;
+    if (board::system0.restarts) return kRestart;
+    return log_written && truth_written ? 0 : 1;
 }

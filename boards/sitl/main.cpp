@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -44,10 +45,20 @@ struct Run {
     return false;
 }
 
-[[nodiscard]] bool close(const char* path, std::FILE* file, bool is_whole) {
+// A full disk, a file at its size limit and a pipe that nobody reads cost the log, not the flight:
+// the write fails, as it does without these signals.
+void fly_on_without_log() {
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::signal(SIGPIPE, SIG_IGN);
+}
+
+// `reason`: of the first write that failed; 0 if there is none, or it is not known.
+[[nodiscard]] bool close(const char* path, std::FILE* file, bool is_whole, int reason = 0) {
     if (file == nullptr) return true;
-    if (std::fclose(file) == 0 && is_whole) return true;
-    std::fprintf(stderr, "error: cannot write all data to '%s'\n", path);
+    if (std::fclose(file) != 0 && reason == 0) reason = errno;
+    if (is_whole && reason == 0) return true;
+    std::fprintf(stderr, "error: cannot write all data to '%s'%s%s\n", path,
+                 reason == 0 ? "" : ": ", reason == 0 ? "" : std::strerror(reason));
     return false;
 }
 
@@ -121,6 +132,7 @@ void print(const Run& run) {
 int main(int count, char** arguments) {
     world::Options options;
     std::FILE* truth = nullptr;
+    fly_on_without_log();
     if (!world::parse(count, arguments, options)) return 2;
     if ((options.random_times || options.budgets != nullptr) && !kHasPreemptionPoints) {
         std::fputs("error: --times needs a build with preemption points\n", stderr);
@@ -133,8 +145,8 @@ int main(int count, char** arguments) {
     if (options.mission != nullptr && !board::read_mission(options.mission, mission)) return 2;
     board::prepare(options.conditions, options.mission != nullptr ? &mission : nullptr, truth);
     print(run(options, budgets));
-    const bool log_written =
-        close(options.log, board::log_storage.file, board::log_storage.errors == 0);
+    const bool log_written = close(options.log, board::log_storage.file,
+                                   board::log_storage.errors == 0, board::log_storage.reason);
     const bool truth_written = close(options.truth, truth, board::truth_is_whole());
     return log_written && truth_written ? 0 : 1;
 }

@@ -25,7 +25,7 @@ from stator.flight.arguments import (
     speed_of,
     times_of,
 )
-from stator.flight.facts import default_log, facts_of, keep
+from stator.flight.facts import NOT_WHOLE, default_log, facts_of, keep
 from stator.flight.progress import progress
 from stator.flight.report import report
 from stator.mission.model import packed
@@ -78,7 +78,7 @@ def main(arguments: argparse.Namespace) -> int:
     name = f"flying {arguments.graph.stem}, seed {arguments.seed}"
     with progress(name, truth, arguments.duration):
         finished = _run(program, log, truth, arguments, mission, times)
-        if finished.returncode > 0:
+        if finished.returncode not in (0, NOT_WHOLE):
             raise UserError(finished.stderr.rstrip())
         facts = facts_of(
             finished,

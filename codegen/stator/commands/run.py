@@ -22,11 +22,11 @@ from stator.flight.arguments import (
     rates_of,
     recording_of,
 )
-from stator.flight.facts import default_log, facts_of
+from stator.flight.facts import complaint_of, default_log, facts_of
 from stator.flight.nonvolatile import nonvolatile_facts, nonvolatile_of, nonvolatile_rows
 from stator.flight.progress import progress
 from stator.flight.report import flight_rows, log_rows, show
-from stator.flight.restarts import RESTART, SIGNALLED, run_lives
+from stator.flight.restarts import SIGNALLED, run_lives
 from stator.live.place import DEFAULT as LINK
 from stator.live.place import free_place, socket_place
 from stator.pipeline import make_plan
@@ -257,9 +257,8 @@ def _facts(
     facts |= {key: run[key] for key in OWN_FACTS}
     if finished.returncode > SIGNALLED:
         name = signal.Signals(finished.returncode - SIGNALLED).name
-        facts |= {"success": False, "reason": f"{name} after {run['wall_s']:.1f} s"}
-    elif finished.returncode not in (0, RESTART):
-        facts |= {"success": False, "reason": finished.stderr.strip()}
+        reasons = [f"{name} after {run['wall_s']:.1f} s", complaint_of(finished)]
+        facts |= {"success": False, "reason": "; ".join(filter(None, reasons))}
     return facts
 
 

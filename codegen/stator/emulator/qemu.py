@@ -106,6 +106,9 @@ def fly(
         for fifo in FIFOS:
             os.mkfifo(folder / fifo)
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        # SIGXFSZ stays ignored, as Python has it: a file at its size limit costs the log, not the
+        # flight.
+        pipes["restore_signals"] = False
         world = subprocess.Popen(plant, cwd=folder, **pipes)  # type: ignore[call-overload]
         machine = subprocess.Popen(
             qemu_command(emulator, image.resolve(), shift, argument, link),

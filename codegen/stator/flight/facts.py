@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from stator.mission.model import Mission
 
 
+NOT_WHOLE = 1  # exit status of a flight program without a whole log, or without an end in order
 RESTART = "an authorised restart request"
 
 
@@ -50,7 +51,7 @@ def facts_of(
         "reason": "",
         "problems": [],
         "log": str(log.resolve()),
-        "log_sha256": _sha256(log),
+        "log_sha256": _sha256(log) if log.is_file() else None,  # a pipe is read once
         "truth": str(truth.resolve()),
         "recording": str(log.resolve()) if is_recorded else None,
         "speed_vs_real_time": None,
@@ -82,6 +83,8 @@ def facts_of(
     if not is_recorded:
         facts |= {"preemptions": None, "unrecorded_activations": None}
     restarts = run["ended"] == "restart"
+    if finished.returncode == NOT_WHOLE:
+        return facts | {"reason": f"cannot judge the flight: {complaint_of(finished)}"}
     if not judges:
         reason = f"ended by {RESTART}" if restarts else "ran to its end"
         return facts | {"success": True, "reason": reason}
@@ -92,6 +95,11 @@ def facts_of(
     if restarts:
         facts["reason"] = f"ended by {RESTART} at {run['simulated_s']:.2f} s; {facts['reason']}"
     return facts
+
+
+def complaint_of(finished: subprocess.CompletedProcess[str]) -> str:
+    """What the program wrote on standard error, as parts of a reason."""
+    return finished.stderr.strip().removeprefix("error: ").replace("\nerror: ", "; ")
 
 
 def _judged(

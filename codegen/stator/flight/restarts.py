@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
+import sys
 from typing import TYPE_CHECKING
 
 from stator.build.cpp_source import constant
@@ -33,6 +34,7 @@ def run_lives(
             finished = endings.run(command_of(left_s))
             if finished.returncode != RESTART:
                 return finished, earlier
+            print(finished.stderr, end="", file=sys.stderr)  # such as a log that is not whole
             left_s -= max(json.loads(finished.stdout)["simulated_s"], MIN_LIFE_S)
             if endings.heard != 0:
                 finished.returncode = SIGNALLED + endings.heard

@@ -2,6 +2,7 @@
 #include "storage_file.hpp"
 
 #include <algorithm>
+#include <cerrno>
 
 namespace stator::drivers::storage::file {
 
@@ -11,7 +12,9 @@ void StorageFile::step(StoragePorts& ports) {
     const std::size_t length = std::min<std::size_t>(block.length, block.data.size());
     const std::size_t written = std::fwrite(block.data.data(), 1, length, device_.file);
     device_.bytes_written += written;
-    device_.errors += written == length ? 0U : 1U;
+    if (written == length) return;
+    if (device_.errors == 0) device_.reason = errno;
+    ++device_.errors;
 }
 
 }  // namespace stator::drivers::storage::file

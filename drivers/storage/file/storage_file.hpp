@@ -15,6 +15,7 @@ class StorageFile {
         std::FILE* file = nullptr;
         uint64_t bytes_written = 0;
         uint64_t errors = 0;  // blocks that were not written whole
+        int reason = 0;       // errno of the first of them
     };
 
     explicit StorageFile(Device& device) : device_(device) {}

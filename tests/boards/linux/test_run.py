@@ -79,6 +79,26 @@ def test_what_is_not_allowed_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("program")
+def test_a_log_that_finds_no_room_costs_the_log_and_not_the_flight(tmp_path: Path) -> None:
+    """As on a full disk. The system's own answer to a file at its size limit is SIGXFSZ."""
+    limited = ["prlimit", "--fsize=65536"]
+    log = tmp_path / "limited.ulg"
+    finished = subprocess.run(
+        [*limited, *COMMAND, "--duration", "2", "--json", "-o", str(log)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (finished.returncode, finished.stderr) == (1, "")
+    facts = json.loads(finished.stdout)
+    assert facts["reason"].startswith(
+        f"cannot judge the flight: cannot write all data to '{log}': File too large"
+    )
+    assert facts["duration_s"] > 1.0
+    assert log.stat().st_size <= 65536
+
+
+@pytest.mark.usefixtures("program")
 def test_a_slower_clock_is_told(tmp_path: Path) -> None:
     """What the clock does is tests/runtime/pthread/level_test.cpp's."""
     _, facts = run("--duration", "0.5", "--speed", "0.25", "-o", str(tmp_path / "slow.ulg"))
