@@ -78,6 +78,7 @@ RULES = {
     "trigger-cycle": "topic triggers form a cycle",
     "trigger-key": "a key that does not belong to this kind of trigger",
     "thinned-queue": "an input with `min_interval` is read as a queue",
+    "thinned-many": "more triggers with `min_interval` on one topic than its word has bits",
     "trigger-read": "`read` on an input that triggers the node",
     "interval-range": "the intervals of a trigger contradict each other",
     "offset-range": "an offset is not shorter than its period",

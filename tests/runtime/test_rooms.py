@@ -32,10 +32,11 @@ MAY_USE = {
 # Each build has one of each on its path: of its executor, and of what it is built for.
 SUPPLIED = {f"stator/{name}.hpp" for name in ("executor", "topic", "activation", "tap", "port")}
 BUILDS = {
-    "virtual": ("sitl", ""),
-    "recorded": ("sitl", "-DSTATOR_RECORDING=ON"),
-    "pthread": ("linux", ""),
-    "replay": ("sitl", "-DSTATOR_REPLAY=ON"),
+    "virtual": ("quad", "sitl", ""),
+    "recorded": ("quad", "sitl", "-DSTATOR_RECORDING=ON"),
+    "pthread": ("quad", "linux", ""),
+    "replay": ("quad", "sitl", "-DSTATOR_REPLAY=ON"),
+    "playback": ("attitude_recording", "playback", "-DSTATOR_RECORDING=ON"),
 }
 
 
@@ -72,9 +73,10 @@ def test_no_room_includes_what_it_may_not() -> None:
 @pytest.mark.parametrize("build", BUILDS)
 def test_no_header_hides_another(build: str, tmp_path: Path) -> None:
     """Of each translation unit: no name below two folders of its path."""
-    board, option = BUILDS[build]
+    graph, board, option = BUILDS[build]
     command = ["cmake", "-S", ROOT, "-B", tmp_path, "-G", "Ninja", f"-DSTATOR_BOARD={board}"]
-    command += ["-DSTATOR_TESTS=OFF", f"-DSTATOR_PYTHON={sys.executable}"]
+    command += [f"-DSTATOR_GRAPH={ROOT / 'graph' / graph}.yaml", "-DSTATOR_TESTS=OFF"]
+    command += [f"-DSTATOR_PYTHON={sys.executable}"]
     finished = subprocess.run(
         [*command, *filter(None, [option])], check=False, capture_output=True, text=True
     )
@@ -82,10 +84,11 @@ def test_no_header_hides_another(build: str, tmp_path: Path) -> None:
     hidden = set()
     for row in json.loads((tmp_path / "compile_commands.json").read_text()):
         words = shlex.split(row["command"])
-        folders = {Path(word[2:]).resolve() for word in words if word.startswith("-I")}
+        ways = [re.match("-(?:I|iquote)(.+)", word) for word in words]
+        folders = {Path(way[1]).resolve() for way in ways if way}
         found: dict[Path, Path] = {}
         for folder in sorted(folders):
-            for header in folder.rglob("stator/**/*.hpp"):
+            for header in folder.rglob("*.hpp"):
                 name = header.relative_to(folder)
                 if name in found:
                     hidden.add(f"{name} in {found[name]} and {folder}")

@@ -52,3 +52,18 @@ def test_one_topic_of_many_costs_the_sum_not_the_product(tmp_path: Path, count: 
     graph.write_text(f"board: sitl\ntopics: {{bus: {{publishers: many}}}}\nnodes:\n{nodes}")
     calls, _ = calls_of(graph)
     assert calls < 1500 * count
+
+
+def test_a_topic_thins_for_as_many_nodes_as_a_word_has_bits(tmp_path: Path) -> None:
+    write_big_graph(tmp_path, 8)
+    nodes = "".join(
+        f"  f{i}: {{app: bench_filter, trigger: {{topic: bus, min_interval: 20 ms}},"
+        " inputs: {sample: bus}}\n"
+        for i in range(32)
+    )
+    graph = tmp_path / "thinned.yaml"
+    graph.write_text(
+        "board: sitl\nnodes:\n  source: {app: bench_source, trigger: {every: 10 ms},"
+        f" outputs: {{sample: bus}}}}\n{nodes}"
+    )
+    assert len(plan(*check(graph)).tasks) == 33

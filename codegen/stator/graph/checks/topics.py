@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from stator.diagnostics import Mark, Report, beside
 from stator.graph.checks.cycles import check_cycles
 from stator.graph.checks.params import check_params_publisher
-from stator.graph.model import Message, Node, NodeOutput, Topic, TopicConfig
+from stator.graph.model import Message, Node, NodeOutput, Topic, TopicConfig, Trigger
 from stator.language.keys import DEPTHS, MAX_LOGGED_BYTES
 from stator.language.period import Period
 from stator.language.shapes import Record, items, quoted
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _NO_CONFIG = TopicConfig(None, None, False, None)
 Publishers = list[tuple[Node, NodeOutput]]
+MAX_THINNED = 32  # of one topic: a bit of a word for each (`activate` in one_core_topic.hpp)
 
 
 def connect(record: Record, nodes: Nodes, report: Report) -> dict[str, Topic]:
@@ -47,6 +48,7 @@ def connect(record: Record, nodes: Nodes, report: Report) -> dict[str, Topic]:
             config,
         )
     _check_inputs(nodes, topics, report)
+    _check_thinned(nodes.good, report)
     for name, value in items(record, "topics"):
         topic = topics.get(name)
         if topic is not None:
@@ -208,6 +210,24 @@ def _check_inputs(nodes: Nodes, topics: dict[str, Topic], report: Report) -> Non
                     report.nearest(source.topic, fitting)
                     or f"add a node that publishes {source.port.message.name}",
                 )
+
+
+def _check_thinned(nodes: dict[str, Node], report: Report) -> None:
+    thinned: dict[str, list[Trigger]] = {}
+    for node in nodes.values():
+        for trigger in node.triggers:
+            if trigger.is_thinned:
+                thinned.setdefault(trigger.name, []).append(trigger)
+    for name, triggers in thinned.items():
+        if len(triggers) > MAX_THINNED:
+            report.error(
+                triggers[MAX_THINNED].mark,
+                "thinned-many",
+                f"expected at most {MAX_THINNED} triggers with `min_interval` on topic '{name}', "
+                f"found {len(triggers)}",
+                "remove `min_interval` from some, or let one node publish the topic at the lower "
+                "rate",
+            )
 
 
 def _check_loggers(nodes: dict[str, Node], report: Report) -> None:
