@@ -185,11 +185,12 @@ class FlyingCascade {
         status = status_probe.newest();
     }
     void step_position() {
-        apps::position_control::PositionControlPorts ports{.now = now_us_,
-                                   .position = Input(position_),
-                                   .setpoint = Input(trajectory),
-                                   .status = Input(status),
-                                   .params = Input(position_params_, is_first_position_)};
+        apps::position_control::PositionControlPorts ports{
+            .now = now_us_,
+            .position = Input(position_),
+            .setpoint = Input(trajectory),
+            .status = Input(status),
+            .params = Input(position_params_, is_first_position_)};
         is_first_position_ = false;
         Probe probe(ports.attitude_setpoint, now_us_);
         position_control_.step(ports);
@@ -201,9 +202,9 @@ class FlyingCascade {
         attitude.timestamp_sample = now_us_;
         attitude.q = math::to_array(q);
         apps::attitude_control::AttitudeControlPorts ports{.now = now_us_,
-                                   .attitude = Input(attitude),
-                                   .setpoint = Input(attitude_setpoint),
-                                   .params = Input(attitude_params_)};
+                                                           .attitude = Input(attitude),
+                                                           .setpoint = Input(attitude_setpoint),
+                                                           .params = Input(attitude_params_)};
         Probe probe(ports.rates, now_us_);
         attitude_control_.step(ports);
         rates_setpoint_ = probe.newest();
@@ -216,21 +217,22 @@ class FlyingCascade {
             gyro.xyz[i] = static_cast<float>(body.state.rate_B[static_cast<int>(i)] + noise);
         }
         apps::rate_control::RateControlPorts ports{.now = now_us_,
-                               .gyro = Input(gyro),
-                               .setpoint = Input(rates_setpoint_),
-                               .status = Input(status),
-                               .params = Input(rate_params_, is_first_rate_)};
+                                                   .gyro = Input(gyro),
+                                                   .setpoint = Input(rates_setpoint_),
+                                                   .status = Input(status),
+                                                   .params = Input(rate_params_, is_first_rate_)};
         Probe thrust(ports.thrust, now_us_);
         Probe torque(ports.torque, now_us_);
         rate_control_.step(ports);
         allocate(torque.newest(), thrust.newest());
     }
     void allocate(const VehicleTorqueSetpoint& torque, const VehicleThrustSetpoint& thrust) {
-        apps::allocation::AllocationPorts ports{.now = now_us_,
-                              .torque = Input(torque),
-                              .thrust = Input(thrust),
-                              .status = Input(status),
-                              .params = Input(allocation_params_, is_first_rate_)};
+        apps::allocation::AllocationPorts ports{
+            .now = now_us_,
+            .torque = Input(torque),
+            .thrust = Input(thrust),
+            .status = Input(status),
+            .params = Input(allocation_params_, is_first_rate_)};
         is_first_rate_ = false;
         Probe probe(ports.motors, now_us_);
         allocation_.step(ports);

@@ -79,13 +79,14 @@ class NavigationRig {
         const SensorGps no_fix{};
         const SensorBaro no_baro{};
         const SensorMag no_mag{};
-        apps::navigation::NavigationPorts ports{.now = now_us,
-                              .gyro = Input(gyro),
-                              .accel = Input(accel),
-                              .gnss = Input(fix ? *fix : no_fix, fix != nullptr),
-                              .baro = Input(baro ? *baro : no_baro, baro != nullptr),
-                              .mag = Input(mag ? *mag : no_mag, mag != nullptr),
-                              .params = Input(params)};
+        apps::navigation::NavigationPorts ports{
+            .now = now_us,
+            .gyro = Input(gyro),
+            .accel = Input(accel),
+            .gnss = Input(fix ? *fix : no_fix, fix != nullptr),
+            .baro = Input(baro ? *baro : no_baro, baro != nullptr),
+            .mag = Input(mag ? *mag : no_mag, mag != nullptr),
+            .params = Input(params)};
         Probe attitude_probe(ports.attitude, now_us);
         Probe position_probe(ports.position, now_us);
         Probe innovations_probe(ports.innovations, now_us);

@@ -77,8 +77,8 @@ void Cost::step(CostPorts& /*ports*/) {
     asm volatile("" ::"m"(now));
     count_geodesy(static_cast<double>(runs_));
     if (runs_ != kRuns + kWindow) return;
-    for (const uint32_t most : {predict_, fuse_one_, fuse_two_, fuse_heading_, output_, frame_,
-                                local_, global_}) {
+    for (const uint32_t most :
+         {predict_, fuse_one_, fuse_two_, fuse_heading_, output_, frame_, local_, global_}) {
         semihosting::print(most - reading_);
         semihosting::print("\n");
     }
