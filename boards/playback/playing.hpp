@@ -5,7 +5,7 @@
 
 namespace stator::board {
 
-// Before the graph starts: what to replay. It must outlive the run.
-void replay(const Recording& chosen);
+// Before the graph starts: what to play. It must outlive the run.
+void play(const Recording& chosen);
 
 }  // namespace stator::board
