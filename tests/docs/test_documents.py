@@ -11,7 +11,7 @@ import pytest
 from stator import HOME
 
 FOLDERS = ("apps", "boards", "codegen", "docs", "drivers", "graph", "runtime", "tests")
-ROOT = (HOME / "README.md", HOME / "CHANGELOG.md")
+ROOT = tuple(HOME / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"))
 ROOMS = sorted(path.parent for path in (HOME / "codegen" / "stator").glob("*/__init__.py"))
 DECISIONS = HOME / "docs" / "decisions"
 DOCUMENTS = [
