@@ -114,7 +114,7 @@ def facts_of(
         return facts | {"reason": f"cannot judge the flight: {complaint_of(finished)}"}
     facts |= _ending(log, truth, run, mission, most_s=most_s, judges=judges, in_wind=in_wind)
     if facts["missed_life_signs"]:
-        silent = f"{facts['missed_life_signs']} life signs missed: a task did not run in its time"
+        silent = f"{facts['missed_life_signs']} missed life signs: a task did not run in time"
         facts |= {"success": False, "reason": f"{silent}; {facts['reason']}"}
     return facts
 

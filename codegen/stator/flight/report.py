@@ -146,13 +146,13 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
 
 
 def watch_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
-    """What a flight lacked, wherever it flew."""
+    """Bad facts that every kind of flight can have."""
     rows = []
     if facts["missed_life_signs"]:
-        missed = f"{facts['missed_life_signs']} life signs missed; the log says whose"
-        rows.append(("silent", missed))
+        missed = f"{facts['missed_life_signs']} missed life signs; the log names the tasks"
+        rows.append(("life signs", missed))
     if facts["unrecorded_activations"]:
-        lost = f"{facts['unrecorded_activations']:,} activations found no room"
+        lost = f"{facts['unrecorded_activations']:,} activations are not recorded (buffer full)"
         rows.append(("recording", f"it has a gap: {lost}; a replay ends there"))
     return rows
 
