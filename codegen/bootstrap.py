@@ -4,7 +4,6 @@ It uses the standard library only, because it runs before anything is installed.
 first line of the stamp, then the missing packages.
 """
 
-import fcntl
 import importlib.util
 import os
 import shlex
@@ -12,9 +11,12 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import IO
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "codegen"))
+
+from stator.lock import Held, held  # noqa: E402  (it takes nothing but the standard library)
+
 ENVIRONMENT = ROOT / ".venv"
 REQUIREMENTS = ROOT / "requirements.txt"
 LOG = ROOT / "build" / "setup.log"
@@ -44,7 +46,7 @@ def shell(*words: str | Path) -> str:
     return shlex.join(str(word) for word in words)
 
 
-def run(lock: IO[str], *command: str | Path) -> bool:
+def run(lock: Held, *command: str | Path) -> bool:
     """Runs a command with its output in the log. The command inherits the lock: after a killed
     set-up, the next one waits until the command has ended."""
     environment = {k: v for k, v in os.environ.items() if k not in UNWANTED_VARIABLES}
@@ -109,7 +111,7 @@ def backports_source(suite: str) -> str:
 
 
 def with_backports(
-    lock: IO[str], packages: list[str], prefix: list[str]
+    lock: Held, packages: list[str], prefix: list[str]
 ) -> tuple[list[str], list[str]]:
     """The packages, with a mark on those that come from backports; and the commands that add
     backports to apt's sources, if they are needed."""
@@ -130,7 +132,7 @@ def with_backports(
     return marked, [command]
 
 
-def install_packages(lock: IO[str], packages: list[str]) -> None:
+def install_packages(lock: Held, packages: list[str]) -> None:
     prefix = [] if os.geteuid() == 0 else ["sudo"]
     update = shell(*prefix, "apt-get", "update")
     by_hand = [update, shell(*prefix, "apt-get", "install", *packages)]
@@ -158,7 +160,7 @@ def install_packages(lock: IO[str], packages: list[str]) -> None:
         raise SetUpError(f"{reason}\n{end_of_log()}", by_hand)
 
 
-def environment_is_usable(lock: IO[str]) -> bool:
+def environment_is_usable(lock: Held) -> bool:
     """Whether packages can be added to the existing environment. An interrupted set-up leaves
     `unfinished` in it."""
     python = ENVIRONMENT / "bin" / "python"
@@ -179,7 +181,7 @@ def package_of_venv() -> str:
     return f"python3.{sys.version_info.minor}-venv"
 
 
-def make_environment(lock: IO[str], wanted_stamp: str, usable: bool) -> None:
+def make_environment(lock: Held, wanted_stamp: str, usable: bool) -> None:
     stamp, unfinished = ENVIRONMENT / "stamp", ENVIRONMENT / "unfinished"
     if usable and stamp.exists() and stamp.read_text(encoding="utf-8") == wanted_stamp:
         return
@@ -210,21 +212,11 @@ def make_environment(lock: IO[str], wanted_stamp: str, usable: bool) -> None:
     temporary.replace(stamp)
 
 
-def lock_set_up() -> IO[str]:
-    lock = (ROOT / ".venv.lock").open("w", encoding="utf-8")
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        say("waiting for the set-up of another ./stator")
-        fcntl.flock(lock, fcntl.LOCK_EX)
-    return lock
-
-
 def set_up(stamp_head: str, packages: list[str]) -> list[SetUpError]:
     """Installs everything that it can. Returns the problems."""
     LOG.parent.mkdir(exist_ok=True)
     problems: list[SetUpError] = []
-    with lock_set_up() as lock:
+    with held(ROOT / ".venv.lock", "sets up", "./stator setup") as lock:
         LOG.write_text("", encoding="utf-8")
         usable = environment_is_usable(lock)
         try:

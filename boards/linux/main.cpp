@@ -199,6 +199,7 @@ int refuse_world() {
 }  // namespace
 
 int main(int count, char** arguments) {
+    std::signal(SIGPIPE, SIG_IGN);  // the reader of the facts may be gone; the log counts
     world::Options options;
     board::RunOptions run;
     std::FILE* truth = nullptr;

@@ -20,8 +20,7 @@ endif()
 # Generates the C++ of the graph and sets graph_* in the caller (codegen/stator/emit/templates/graph.cmake.j2).
 macro(stator_generate folder graph board)
     execute_process(
-        COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${CMAKE_SOURCE_DIR}/codegen"
-                "${STATOR_PYTHON}" -m stator gen "${graph}" --board "${board}" -o "${folder}"
+        COMMAND "${STATOR_PYTHON}" -I -X utf8 -m stator gen "${graph}" --board "${board}" -o "${folder}"
                 ${stator_gen_options}
         RESULT_VARIABLE generated OUTPUT_QUIET)
     # Watched even after an error, so that mending the graph is enough.

@@ -3,11 +3,26 @@
 from __future__ import annotations
 
 import argparse
+import os
+import signal
 import sys
 from importlib import import_module
-from typing import Any, NamedTuple
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
-from stator.diagnostics import INTERRUPTED, NOT_DONE, Failed, UserError, show_errors
+from stator.diagnostics import (
+    INTERRUPTED,
+    NOT_DONE,
+    SIGNALLED,
+    Ended,
+    Failed,
+    UserError,
+    in_place,
+    show_errors,
+)
+
+if TYPE_CHECKING:
+    from types import FrameType
 
 
 class Command(NamedTuple):
@@ -48,24 +63,50 @@ COMMANDS = (
 def main(argv: list[str]) -> int:
     """Runs one command; returns the exit status: see diagnostics.py."""
     try:
-        return _run(argv)
+        return _run_or_complain(argv)
+    except OSError:  # standard error cannot be written, either
+        _give_up_output()
+        return NOT_DONE
+
+
+def _run_or_complain(argv: list[str]) -> int:
+    try:
+        try:
+            return _run(argv)
+        finally:  # here, where what it says is heard: at the end of the interpreter it is too late
+            sys.stdout.flush()
     except Failed as failed:
         show_errors(failed)
-        return NOT_DONE
     except UserError as failed:
-        print(failed, file=sys.stderr)
-        return NOT_DONE
+        print(in_place(str(failed)), file=sys.stderr)
     except KeyboardInterrupt:
         print("stator: interrupted", file=sys.stderr)
         return INTERRUPTED
+    except Ended as ended:
+        print(f"stator: ended by {signal.Signals(ended.number).name}", file=sys.stderr)
+        return SIGNALLED + ended.number
     except BrokenPipeError:
-        sys.stderr.close()
-        return NOT_DONE
+        _give_up_output()
     except OSError as failed:  # disk full, no permission, missing program
+        if failed.filename is None:
+            print(f"error: cannot write the output: {failed.strerror}", file=sys.stderr)
+            _give_up_output()
+            return NOT_DONE
         print(f"error: cannot use '{failed.filename}': {failed.strerror}", file=sys.stderr)
         if isinstance(failed, FileNotFoundError):
-            print("hint: if it is a program, install it with ./stator setup", file=sys.stderr)
-        return NOT_DONE
+            print(
+                in_place("hint: if it is a program, install it with ./stator setup"),
+                file=sys.stderr,
+            )
+    return NOT_DONE
+
+
+def _give_up_output() -> None:
+    """What is still to be written goes nowhere, so that Python does not try again at its end."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (sys.__stdout__, sys.__stderr__):
+        if stream is not None:
+            os.dup2(nowhere, stream.fileno())
 
 
 def _run(argv: list[str]) -> int:
@@ -78,6 +119,13 @@ def _run(argv: list[str]) -> int:
     return status
 
 
+class _Parser(argparse.ArgumentParser):
+    """Its messages name commands as the user types them in the current folder."""
+
+    def _print_message(self, message: str, file: IO[str] | None = None) -> None:  # type: ignore[override]
+        super()._print_message(in_place(message), file)
+
+
 class _ShowVersion(argparse.Action):
     """Unlike argparse's own action, it asks git only if it is used."""
 
@@ -88,11 +136,9 @@ class _ShowVersion(argparse.Action):
         parser.exit()
 
 
-def _parser(chosen: str) -> argparse.ArgumentParser:
+def _parser(chosen: str) -> _Parser:
     """Imports only the chosen command, so that `check` starts fast. `completion` needs all."""
-    parser = argparse.ArgumentParser(
-        prog="stator", description="Flight software from one YAML graph."
-    )
+    parser = _Parser(prog="stator", description="Flight software from one YAML graph.")
     parser.add_argument(
         "--version",
         action=_ShowVersion,
@@ -111,5 +157,23 @@ def _parser(chosen: str) -> argparse.ArgumentParser:
     return parser
 
 
+def _end(number: int, _: FrameType | None) -> None:
+    raise Ended(number)
+
+
+def _start() -> int:
+    """As a program: with signals, and with all three standard streams."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is signal.SIG_DFL:  # nohup ignores one
+            signal.signal(number, _end)
+    closed = sys.stdout is None
+    if sys.stderr is None:
+        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
+    if closed:
+        print("error: cannot write the output: standard output is closed", file=sys.stderr)
+        return NOT_DONE
+    return main(sys.argv[1:])
+
+
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(_start())

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shlex
+import shutil
 import sys
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -10,6 +13,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from stator import HOME
 from stator.rules import RULES
 
 if TYPE_CHECKING:
@@ -19,6 +23,7 @@ if TYPE_CHECKING:
 ANSWER_IS_NO = 1  # the command ran, and the answer is no: errors found, a failed flight
 NOT_DONE = 2  # the command could not run
 INTERRUPTED = 130
+SIGNALLED = 128  # and the number of the signal that ended it
 
 MAX_BYTES = 16 * 1024 * 1024  # of one file
 # A longer source line is shown in part, around the caret.
@@ -27,6 +32,7 @@ MAX_CHARACTERS = 400  # of a message or a hint
 # Names compared for hints, over all errors of one run: a file full of mistakes must not take
 # minutes.
 MAX_COMPARED = 200_000
+_COMMAND = re.compile(r"(?<![\w./-])\./stator(?![\w./-])")
 _LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")  # the ends of a line in YAML
 
 
@@ -83,6 +89,14 @@ class BuildFailed(UserError):
     """CMake or the compiler failed; the message is their output."""
 
 
+class Ended(BaseException):
+    """A signal asks this process to end: what it has begun is ended in order."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
 class Report:
     """Collects errors; the user sees all of them, in order of position."""
 
@@ -132,6 +146,29 @@ def beside(mark: Mark, other: Mark) -> str:
     if other.file == mark.file:
         return f"line {other.line}"
     return f"{shown_path(other.file)}:{other.line}"
+
+
+def entry() -> str:
+    """How `./stator` is called from the current folder."""
+    called = os.environ.get("STATOR_ENTRY", "")  # set by ./stator itself
+    if Path.cwd() == HOME:
+        return "./stator"
+    for name in (Path(called).name, called):
+        found = shutil.which(name) if name else None
+        if found is not None and os.path.realpath(found) == str(HOME / "stator"):
+            return shlex.quote(name)
+    return shlex.quote(str(HOME / "stator"))
+
+
+def in_place(text: str) -> str:
+    """A text for the user, with commands as they are typed in the current folder."""
+    return _COMMAND.sub(lambda _: entry(), text) if "./stator" in text else text
+
+
+def shown_argument(path: Path) -> str:
+    """A path as a word of a command that is typed in the current folder."""
+    shown = shown_path(path)
+    return shlex.quote(f"./{shown}" if shown.startswith("-") else shown)
 
 
 def shown_path(path: Path) -> str:

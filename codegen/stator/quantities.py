@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from fractions import Fraction
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 # unit -> (dimension, factor to the dimension's unit in the code)
 UNITS: dict[str, tuple[str, Fraction]] = {
@@ -48,6 +53,19 @@ def split(text: str) -> tuple[Fraction, str] | None:
     if match is None or len(text) > _MAX_LENGTH:
         return None
     return Fraction(match.group(0)), text[match.end() :].strip()
+
+
+def meant(unit: str, known: Iterable[str]) -> str:
+    """The known unit that this is another spelling of, such as `µs`, `MS` or `m/s²`; else ''."""
+    plain = _plain(unit)
+    return next((name for name in known if _plain(name) == plain), "")
+
+
+def _plain(unit: str) -> str:
+    # NFKC makes one of the two micro signs, and 2 of a raised 2.
+    text = unicodedata.normalize("NFKC", unit).casefold().replace("\u03bc", "u")
+    text = text.replace("°", "deg").replace("^", "").replace(" ", "")
+    return re.sub(r"sec(ond)?s?(?=$|/|[0-9])", "s", text)
 
 
 def shown(value: Fraction) -> str:

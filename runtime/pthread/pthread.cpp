@@ -36,11 +36,16 @@ bool refuse(const char* what) {
     return false;
 }
 
+// SIGHUP is among them where it would end the process: nohup ignores it.
 sigset_t ending_signals() {
     sigset_t ending;
     sigemptyset(&ending);
     sigaddset(&ending, SIGINT);
     sigaddset(&ending, SIGTERM);
+    struct sigaction hang_up {};
+    if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler == SIG_DFL) {
+        sigaddset(&ending, SIGHUP);
+    }
     return ending;
 }
 

@@ -7,7 +7,10 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parents[2] / "codegen" / "stator"
 # From the ground up. Modules of the ground are not in a room, and may import each other without a
 # circle, as modules of one room may.
-GROUND = ("", "rules", "diagnostics", "names", "quantities", "collector", "arguments", "version")
+GROUND = (
+    *("", "rules", "diagnostics", "names", "quantities", "collector", "arguments"),
+    *("version", "lock", "processes"),
+)
 ROOMS = (
     *("language", "graph", "plan", "emit", "pipeline", "build", "mission", "live", "flight"),
     *("score", "emulator", "bench", "schema", "testing", "commands", "__main__"),

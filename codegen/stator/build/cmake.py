@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
+import shlex
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
+from stator.build.paths import check_paths, input_paths
 from stator.diagnostics import BuildFailed, shown_path
+from stator.lock import Held, Line, held, held_if_free
 from stator.pipeline import make_buildable_plan
+from stator.processes import environment, start
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -25,6 +31,7 @@ PLAIN = {"STATOR_COUNTERS": "OFF"}  # activations are not timed
 NO_WALLS = {"STATOR_WALLS": "OFF"}  # for tests whose nodes look outside
 SLEEP = {"STATOR_SLEEP": "ON"}  # bare metal sleeps when idle (default: busy loop)
 TOOLCHAIN = HOME / "codegen" / "cmake" / "cortex_m4f.cmake"
+STEP = re.compile(r"\[(\d+)/(\d+)\] ")  # ninja's progress
 INSTEAD = {"virtual": "./stator fly", "cortex_m": "./stator emulate", "pthread": "./stator run"}
 
 
@@ -57,7 +64,8 @@ def build(
             "for example --board qemu_f405"
         )
     names = [key if value == "ON" else f"{key}_{value}" for key, value in variant.items()]
-    words = [plan.graph.name, plan.board.name, *(re.sub(r"\W+", "_", name) for name in names)]
+    words = [short_name(plan.graph.file), plan.board.name]
+    words += [re.sub(r"\W+", "_", name) for name in names]
     name = "-".join(word.strip("_") for word in words)
     options = [
         f"-DSTATOR_GRAPH={plan.graph.file}",
@@ -66,7 +74,7 @@ def build(
         *([f"-DCMAKE_TOOLCHAIN_FILE={TOOLCHAIN}"] if bare else []),
         *(f"-D{key}={value}" for key, value in variant.items()),
     ]
-    _one_line(f"building {name} ...")
+    check_paths(input_paths(plan))
     folder = HOME / "build" / name
     configure(folder, options, ["graph_program"])
     return folder / ("graph_program.elf" if bare else "graph_program")
@@ -74,14 +82,14 @@ def build(
 
 def build_replay(plan: Plan) -> Path:
     """Builds the program that replays recordings of the graph. Raises `BuildFailed`."""
-    name = f"{plan.graph.name}-{plan.board.name}-replay"
+    name = f"{short_name(plan.graph.file)}-{plan.board.name}-replay"
     options = [
         f"-DSTATOR_GRAPH={plan.graph.file}",
         f"-DSTATOR_BOARD={plan.board.name}",
         "-DSTATOR_TESTS=OFF",
         "-DSTATOR_REPLAY=ON",
     ]
-    _one_line(f"building {name} ...")
+    check_paths(input_paths(plan))
     folder = HOME / "build" / name
     configure(folder, options, ["graph_program"])
     return folder / "graph_program"
@@ -94,41 +102,103 @@ def build_plant() -> Path:
     return folder / "boards" / "qemu_f405" / "plant" / "plant_server"
 
 
+def short_name(file: Path) -> str:
+    """The name of a graph or mission; with a hash of its place if it is not one of Stator's own, as
+    another project may have one of the same name."""
+    if file.parent in (HOME / "graph", HOME / "graph" / "missions"):
+        return file.stem
+    return f"{file.stem}-{hashlib.sha256(os.fsencode(file)).hexdigest()[:8]}"
+
+
+def lock_of(folder: Path) -> Path:
+    """Who has this lock may configure and build in the folder."""
+    return HOME / "build" / "locks" / folder.name
+
+
 def configure(folder: Path, options: list[str], targets: list[str]) -> None:
-    """Configures the build folder if needed, and builds the targets. Raises `BuildFailed`."""
+    """Configures the build folder if needed, and builds the targets. Waits while another command
+    does that. Raises `BuildFailed`."""
+    check_paths([HOME])
     existing = next(path for path in (folder, *folder.parents) if path.exists())
     if not os.access(existing, os.W_OK):
         raise BuildFailed(
             f"error: cannot write to the build folder '{shown_path(existing)}'\n"
             "hint: the folder belongs to another user; work in your own clone"
         )
-    # Written last. CMake does not repeat an interrupted first configuration, so the folder is
-    # removed if the stamp is missing, or is that of another graph of the same name.
-    stamp = folder / "options.txt"
-    arguments = [*options, f"-DSTATOR_PYTHON={sys.executable}"]
-    # CMake keeps the settings of an earlier toolchain file, so its text is part of the stamp.
-    text = "\n".join([*arguments, TOOLCHAIN.read_text(encoding="utf-8")])
-    if not stamp.is_file() or stamp.read_text(encoding="utf-8") != text:
-        shutil.rmtree(folder, ignore_errors=True)
-        _run(["cmake", "-S", str(HOME), "-B", str(folder), "-G", "Ninja", *arguments])
-        stamp.write_text(text, encoding="utf-8")
-    _run(["cmake", "--build", str(folder), "--target", *targets])
+    with held(lock_of(folder), f"builds {folder.name}") as lock:
+        # Written last. CMake does not repeat an interrupted first configuration, so the folder is
+        # removed if the stamp is missing or has other options.
+        stamp = folder / "options.txt"
+        arguments = [*options, f"-DSTATOR_PYTHON={sys.executable}"]
+        # CMake keeps the settings of an earlier toolchain file, and the programs that it found.
+        text = "\n".join([*arguments, *_tools(options), TOOLCHAIN.read_text(encoding="utf-8")])
+        content = os.fsencode(text)
+        if not stamp.is_file() or stamp.read_bytes() != content:
+            shutil.rmtree(folder, ignore_errors=True)
+            _remove_orphans()
+            _run(["cmake", "-S", str(HOME), "-B", str(folder), "-G", "Ninja", *arguments], lock)
+            stamp.write_bytes(content)
+        _run(["cmake", "--build", str(folder), "--target", *targets], lock)
 
 
-def _one_line(text: str) -> None:
-    if sys.stderr.isatty():
-        print(f"\r{text}", end="\r", file=sys.stderr, flush=True)
+def _remove_orphans() -> None:
+    """Build folders of graphs that are there no more, such as those of projects that moved."""
+    for stamp in (HOME / "build").glob("*/options.txt"):
+        first = os.fsdecode(stamp.read_bytes()).partition("\n")[0]
+        if first.startswith("-DSTATOR_GRAPH=") and not Path(first.partition("=")[2]).exists():
+            with held_if_free(lock_of(stamp.parent)) as is_free:
+                if is_free:
+                    shutil.rmtree(stamp.parent, ignore_errors=True)
 
 
-def _run(command: list[str]) -> None:
-    result = subprocess.run(command, check=False, capture_output=True, text=True)
-    if result.returncode != 0:
-        output = (result.stdout + result.stderr).replace(f"{Path.cwd()}/", "")
+def _tools(options: list[str]) -> list[str]:
+    """The paths of the programs that a build takes from PATH; of compilers also size and time."""
+    named = [o.partition("=")[2] for o in options if o.startswith("-DCMAKE_CXX_COMPILER=")]
+    compilers = [*named, "c++", "g++", "arm-none-eabi-g++"]
+    lines = [f"{name}: {shutil.which(name)}" for name in ("cmake", "ninja", "ccache")]
+    for name in compilers:
+        found = shutil.which(name)
+        if found is not None:
+            state = Path(found).stat()
+            lines.append(f"{os.path.realpath(found)}: {state.st_size} {state.st_mtime_ns}")
+    return lines
+
+
+def _run(command: list[str], lock: Held) -> None:
+    """In a group of processes of its own, which inherits the lock and ends with this one."""
+    name = Path(command[command.index("--build" if "--build" in command else "-B") + 1]).name
+    line = Line()
+    output: list[str] = []
+    with start(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        errors="replace",
+        env=environment(),
+        pass_fds=(lock.fileno(),),
+        process_group=0,
+    ) as process:
+        try:
+            for text in process.stdout or ():
+                step = STEP.match(text)
+                if step is None:
+                    output.append(text.rstrip("\n"))
+                    continue
+                progress = f"step {step[1]} of {step[2]}"
+                line.show(f"building {name}: {progress}")
+                lock.tell(progress)
+        except BaseException:
+            os.killpg(process.pid, signal.SIGTERM)
+            raise
+    line.clear()
+    if process.returncode != 0:
+        text = "\n".join(output).replace(f"{Path.cwd()}/", "")
         # Without the long command that ninja repeats.
-        lines = re.sub(r"^FAILED: .*\n.*\n", "", output, flags=re.MULTILINE).splitlines()
+        lines = re.sub(r"^FAILED: .*\n.*\n", "", text, flags=re.MULTILINE).splitlines()
         first = next((i for i, line in enumerate(lines) if "error" in line.lower()), 0)
         shown = "\n".join(lines[max(0, first - 2) : first + 40])
         raise BuildFailed(
-            f"{shown}\nerror: the build failed\nhint: to see the whole output, run: "
-            + " ".join(f"'{part}'" if " " in part else part for part in command)
+            f"{shown}\nerror: the build failed\n"
+            f"hint: to see the whole output, run: {shlex.join(command)}"
         )

@@ -20,7 +20,7 @@ from stator.flight.arguments import (
     recording_of,
     speed_of,
 )
-from stator.flight.facts import default_log, facts_of, keep
+from stator.flight.facts import alone, default_log, facts_of, keep
 from stator.flight.progress import progress
 from stator.flight.report import report
 from stator.live.fault_record import in_words
@@ -69,7 +69,7 @@ def main(arguments: argparse.Namespace) -> int:
     if arguments.speed is not None:
         options += ["--speed", f"{arguments.speed:.6f}"]
     name = f"emulating {arguments.graph.stem}, seed {arguments.seed}"
-    with progress(name, truth, arguments.duration):
+    with alone(log), progress(name, truth, arguments.duration):
         finished = fly(emulator, image, [str(plant), *options], log, link=link)
         if finished.returncode != 0:
             plan = make_plan(str(arguments.graph), arguments.board)
@@ -85,6 +85,7 @@ def main(arguments: argparse.Namespace) -> int:
         )
     facts |= rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
+    facts["graph_file"] = str(arguments.graph.resolve())
     facts["emulator"] = emulator.version
     facts["missed_samples"] = json.loads(finished.stdout)["missed_samples"]
     keep(facts)

@@ -6,7 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from stator.arguments import add_graph_arguments
-from stator.diagnostics import UserError, nearest, shown_path
+from stator.diagnostics import UserError, in_place, nearest, shown_path
 from stator.language.period import spelled_us
 from stator.language.shapes import quoted
 from stator.pipeline import make_plan
@@ -47,7 +47,7 @@ def main(arguments: argparse.Namespace) -> int:
             f"error: unknown node or topic '{arguments.node}' of {plan.graph.name}\n"
             f"hint: {nearest(arguments.node, known)}"
         )
-    print("\n".join(lines))
+    print(in_place("\n".join(lines)))
     return 0
 
 

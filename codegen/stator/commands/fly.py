@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
 from stator.arguments import path
-from stator.build.cmake import PREEMPTION, build
+from stator.build.cmake import PREEMPTION, build, short_name
 from stator.diagnostics import ANSWER_IS_NO, UserError, shown_path
 from stator.flight.arguments import (
     USUAL_DURATION_S,
@@ -25,14 +24,17 @@ from stator.flight.arguments import (
     speed_of,
     times_of,
 )
-from stator.flight.facts import NOT_WHOLE, default_log, facts_of, keep
+from stator.flight.facts import NOT_WHOLE, alone, default_log, facts_of, keep
 from stator.flight.progress import progress
 from stator.flight.report import report
 from stator.mission.model import packed
 from stator.mission.read import read_mission
 from stator.pipeline import make_plan
+from stator.processes import run
 
 if TYPE_CHECKING:
+    import subprocess
+
     from stator.mission.model import Mission
 
 
@@ -72,11 +74,11 @@ def main(arguments: argparse.Namespace) -> int:
     program = build(
         arguments.graph, arguments.board, variant | recording_of(arguments), executor="virtual"
     )
-    kind = f"-{arguments.mission.stem}" if mission else ""
+    kind = f"-{short_name(arguments.mission.resolve())}" if mission else ""
     log = arguments.output or default_log(arguments.graph, arguments.seed, kind)
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     name = f"flying {arguments.graph.stem}, seed {arguments.seed}"
-    with progress(name, truth, arguments.duration):
+    with alone(log), progress(name, truth, arguments.duration):
         finished = _run(program, log, truth, arguments, mission, times)
         if finished.returncode not in (0, NOT_WHOLE):
             raise UserError(finished.stderr.rstrip())
@@ -93,6 +95,7 @@ def main(arguments: argparse.Namespace) -> int:
     facts |= {"mission": arguments.mission.stem if arguments.mission else None}
     facts |= rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
+    facts["graph_file"] = str(arguments.graph.resolve())
     facts |= {"wind_m_s": arguments.wind, "wind_from_deg": arguments.wind_from}
     keep(facts)
     if arguments.json:
@@ -133,9 +136,9 @@ def _run(
     if arguments.speed is not None:
         command += ["--speed", f"{arguments.speed:.6f}"]
     if mission is None:
-        return subprocess.run(command, check=False, capture_output=True, text=True)
+        return run(command, check=False, capture_output=True)
     with tempfile.NamedTemporaryFile(suffix=".mission") as file:
         file.write(packed(mission))
         file.flush()
         command += ["--mission", file.name]
-        return subprocess.run(command, check=False, capture_output=True, text=True)
+        return run(command, check=False, capture_output=True)

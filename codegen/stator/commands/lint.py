@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stator import HOME
+from stator.diagnostics import in_place
 from stator.testing.lint import CHECKS, output
 
 if TYPE_CHECKING:
@@ -28,5 +29,6 @@ def main(options: argparse.Namespace) -> int:
         print(f"{name}: {'failed' if problems else 'ok'}", flush=True)
         if problems:
             print(problems)
-            print("hint: ./stator lint --fix" if check.fixer else "hint: repair this by hand")
+            fix = in_place("hint: ./stator lint --fix")
+            print(fix if check.fixer else "hint: repair this by hand")
     return 1 if failed else 0

@@ -11,7 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from stator import HOME
 from stator.arguments import path
-from stator.diagnostics import UserError, shown_path
+from stator.diagnostics import UserError, in_place, shown_argument, shown_path
 from stator.language.shapes import NAME_HINT, NAME_PATTERN
 from stator.names import is_reserved_type, reserved_reason, upper_camel
 
@@ -44,14 +44,16 @@ def main(arguments: argparse.Namespace) -> int:
     if arguments.kind == "app":
         files = _app(name, arguments.folder)
         following = f"./stator new graph {name}_quad --app {name}"
+        if arguments.folder != Path():
+            following += f" --in {shown_argument(arguments.folder)}"
     else:
         if arguments.app is not None:
             _check_name(arguments.app, "an app")
         files = _graph(name, arguments.folder, arguments.app)
-        following = f"./stator fly {shown_path(next(iter(files)))}"
+        following = f"./stator fly {shown_argument(next(iter(files)))}"
     _write(files)
     print("\n".join(f"{shown_path(file)}: written" for file in files))
-    print(f"next: {following}")
+    print(in_place(f"next: {following}"))
     return 0
 
 

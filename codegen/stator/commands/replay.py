@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import hashlib
 import json
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ from stator.flight.progress import progress
 from stator.flight.recording import Recording, fields_of, logged_sample, read_recording
 from stator.pipeline import make_plan
 from stator.plan.hash import graph_hash
+from stator.processes import run
 
 if TYPE_CHECKING:
     from stator.plan.plan import Plan
@@ -52,7 +53,7 @@ def main(arguments: argparse.Namespace) -> int:
     program = build_replay(subject.plan)
     with progress(f"replaying {arguments.log.name} ..."):
         command = [program, arguments.log, str(recording.good_bytes)]
-        finished = subprocess.run(command, check=False, capture_output=True, text=True)
+        finished = run(command, check=False, capture_output=True)
     if finished.returncode != 0:
         raise UserError(finished.stderr.rstrip() or "error: the replay program ended unexpectedly")
     facts = facts_of(recording, subject, json.loads(finished.stdout))
@@ -69,7 +70,13 @@ def main(arguments: argparse.Namespace) -> int:
 def find_graph(recording: Recording, file: Path | None) -> Subject:
     name, board, shown = recording.graph()
     if file is None:
-        places = [HOME / shown, Path(shown), recording.log.parent / Path(shown).name]
+        kept = kept_graph(recording)
+        places = [
+            *([] if kept is None else [kept]),
+            HOME / shown,
+            Path(shown),
+            recording.log.parent / Path(shown).name,
+        ]
         file = next((place for place in places if place.is_file()), None)
     if file is None:
         raise UserError(f"error: missing graph '{shown}' of this recording\nhint: add --graph FILE")
@@ -84,6 +91,17 @@ def find_graph(recording: Recording, file: Path | None) -> Subject:
     if not same_hash:
         _refuse_misfits(recording, plan, name)
     return Subject(plan, same_hash)
+
+
+def kept_graph(recording: Recording) -> Path | None:
+    """Where the graph was, from the report beside the log: a log names no place."""
+    log = recording.log
+    with contextlib.suppress(OSError, ValueError, AttributeError, KeyError):
+        report = log.with_name(f"{log.name.removesuffix('.ulg')}.json")
+        facts = json.loads(report.read_bytes())
+        if facts.get("log_sha256") == hashlib.sha256(recording.data).hexdigest():
+            return Path(facts["graph_file"])
+    return None
 
 
 def _refuse_misfits(recording: Recording, plan: Plan, name: str) -> None:

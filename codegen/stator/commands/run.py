@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 from stator.arguments import path
 from stator.build.cmake import build
-from stator.diagnostics import ANSWER_IS_NO, NOT_DONE, UserError, shown_path
+from stator.diagnostics import (
+    ANSWER_IS_NO,
+    NOT_DONE,
+    SIGNALLED,
+    UserError,
+    in_place,
+    shown_argument,
+    shown_path,
+)
 from stator.flight.arguments import (
     add_flight_arguments,
     flight_options,
@@ -22,11 +30,11 @@ from stator.flight.arguments import (
     rates_of,
     recording_of,
 )
-from stator.flight.facts import complaint_of, default_log, facts_of
+from stator.flight.facts import complaint_of, default_log, facts_of, keep
 from stator.flight.nonvolatile import nonvolatile_facts, nonvolatile_of, nonvolatile_rows
 from stator.flight.progress import progress
-from stator.flight.report import flight_rows, log_rows, show
-from stator.flight.restarts import SIGNALLED, run_lives
+from stator.flight.report import flight_rows, log_rows, show, watch_rows
+from stator.flight.restarts import run_lives
 from stator.live.place import DEFAULT as LINK
 from stator.live.place import free_place, socket_place
 from stator.pipeline import make_plan
@@ -159,7 +167,9 @@ def main(arguments: argparse.Namespace) -> int:
     facts |= rates_of(arguments)
     facts["link"] = None if link is None else str(link)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
+    facts["graph_file"] = str(arguments.graph.resolve())
     facts["speed"] = arguments.speed
+    keep(facts)  # first, as a terminal that was closed shows no report
     _report(facts, earlier, as_json=arguments.json)
     if finished.returncode > SIGNALLED:
         return finished.returncode
@@ -180,14 +190,12 @@ def _link_of(arguments: argparse.Namespace) -> Iterator[Path | None]:
 def _tell_link(link: Path | None) -> None:
     """Prints how to find this run, if it is not at the default place."""
     if link is None:
-        print(
-            "note: this run has no link for ./stator top; to get one, add --link /tmp/link",
-            file=sys.stderr,
-        )
+        note = "note: this run has no link for ./stator top; to get one, add --link /tmp/link"
+        print(in_place(note), file=sys.stderr)
     elif link != LINK:
         print(
             f"note: another run uses {shown_path(LINK)}; the link of this run is "
-            f"--link {shown_path(link)}",
+            f"--link {shown_argument(link)}",
             file=sys.stderr,
         )
 
@@ -270,7 +278,7 @@ def _report(facts: dict[str, Any], earlier: list[Path], *, as_json: bool) -> Non
         print(json.dumps(facts, indent=2))
         return
     rows = [*flight_rows(facts), *_run_rows(facts), *nonvolatile_rows(facts)]
-    show(facts, [*rows, *_restart_rows(earlier), *log_rows(facts)])
+    show(facts, [*rows, *_restart_rows(earlier), *log_rows(facts), *watch_rows(facts)])
 
 
 def _restart_rows(earlier: list[Path]) -> list[tuple[str, str]]:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from stator import HOME
 from stator.diagnostics import UserError
+from stator.processes import start
 
 # boards/qemu_f405/link.hpp
 FIFOS = ("to_plant", "from_plant")
@@ -105,16 +106,12 @@ def fly(
         folder = Path(name)
         for fifo in FIFOS:
             os.mkfifo(folder / fifo)
-        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         # SIGXFSZ stays ignored, as Python has it: a file at its size limit costs the log, not the
         # flight.
-        pipes["restore_signals"] = False
-        world = subprocess.Popen(plant, cwd=folder, **pipes)  # type: ignore[call-overload]
-        machine = subprocess.Popen(
-            qemu_command(emulator, image.resolve(), shift, argument, link),
-            cwd=folder,
-            **pipes,  # type: ignore[call-overload]
-        )
+        world = start(plant, cwd=folder, restore_signals=False, **pipes)
+        command = qemu_command(emulator, image.resolve(), shift, argument, link)
+        machine = start(command, cwd=folder, restore_signals=False, **pipes)
         try:
             _wait(world, machine)
             facts, complaint = world.communicate()

@@ -22,6 +22,7 @@ MAX_SPEED = 1e4
 USUAL_DURATION_S = 120.0
 MAX_WIND_M_S = 50.0
 MAX_DEGREES = 360.0
+BESIDE = (".truth", ".json", ".png", ".records")  # of files that lie beside a log
 
 
 def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str) -> None:
@@ -38,7 +39,7 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         help="longest flight in seconds (default: 120, or more for a mission)",
     )
     parser.add_argument(
-        "-o", "--output", type=path, metavar="LOG", help="log file (default: in build/flights)"
+        "-o", "--output", type=log_path, metavar="LOG", help="log file (default: in build/flights)"
     )
     parser.add_argument(
         "--no-record",
@@ -93,6 +94,16 @@ def _add_world_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="script of the pilot's sticks and switches (docs/simulation.md)",
     )
+
+
+def log_path(text: str) -> Path:
+    """Beside the log lie files of its name with other ends."""
+    log = path(text)
+    if log.suffix in BESIDE:
+        raise argparse.ArgumentTypeError(
+            f"a log cannot end in {log.suffix}: that file lies beside it; for example flight.ulg"
+        )
+    return log
 
 
 def flight_options(arguments: argparse.Namespace) -> list[str]:

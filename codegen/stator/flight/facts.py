@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import hashlib
 import json
 import signal
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stator import HOME
+from stator.build.cmake import short_name
+from stator.diagnostics import UserError, shown_path
 
 if TYPE_CHECKING:
     import subprocess
+    from collections.abc import Iterator
 
     from stator.flight.judge import Judgement, Problem
     from stator.mission.model import Mission
@@ -31,7 +36,30 @@ def keep(facts: dict[str, object]) -> None:
 def default_log(graph: Path, seed: int, kind: str = "") -> Path:
     folder = HOME / "build" / "flights"
     folder.mkdir(parents=True, exist_ok=True)
-    return folder / f"{graph.stem}-seed{seed}{kind}.ulg"
+    return folder / f"{short_name(graph.resolve())}-seed{seed}{kind}.ulg"
+
+
+@contextlib.contextmanager
+def alone(log: Path) -> Iterator[None]:
+    """Raises `UserError` while another flight writes the log: each would report the other's."""
+    is_new = not log.exists()
+    if not log.is_file() and not (is_new and log.parent.is_dir()):
+        yield  # such as /dev/null; what flies says what is wrong with it, if anything
+        return
+    with log.open("ab") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise UserError(
+                f"error: another flight is writing '{shown_path(log)}'\n"
+                "hint: wait for it, or name another log: -o LOG"
+            ) from None
+        try:
+            yield
+        except BaseException:
+            if is_new and log.stat().st_size == 0:
+                log.unlink()
+            raise
 
 
 def facts_of(
@@ -82,14 +110,31 @@ def facts_of(
     facts |= {key: value for key, value in run.items() if key in facts}
     if not is_recorded:
         facts |= {"preemptions": None, "unrecorded_activations": None}
-    restarts = run["ended"] == "restart"
     if finished.returncode == NOT_WHOLE:
         return facts | {"reason": f"cannot judge the flight: {complaint_of(finished)}"}
+    facts |= _ending(log, truth, run, mission, most_s=most_s, judges=judges, in_wind=in_wind)
+    if facts["missed_life_signs"]:
+        silent = f"{facts['missed_life_signs']} missed life signs: a task did not run in time"
+        facts |= {"success": False, "reason": f"{silent}; {facts['reason']}"}
+    return facts
+
+
+def _ending(
+    log: Path,
+    truth: Path,
+    run: dict[str, Any],
+    mission: Mission | None,
+    *,
+    most_s: float,
+    judges: bool,
+    in_wind: bool,
+) -> dict[str, object]:
+    """How it ended, and what the flight was like."""
+    restarts = run["ended"] == "restart"
     if not judges:
-        reason = f"ended by {RESTART}" if restarts else "ran to its end"
-        return facts | {"success": True, "reason": reason}
-    facts |= _judged(log, truth, run, mission, in_wind=in_wind)
-    if not facts["success"] and run.get("ended") == "time_limit":
+        return {"success": True, "reason": f"ended by {RESTART}" if restarts else "ran to its end"}
+    facts = _judged(log, truth, run, mission, in_wind=in_wind)
+    if not facts.get("success") and run.get("ended") == "time_limit":
         cut = f"--duration {most_s:g} s ended the flight early"
         facts["reason"] = f"{cut}; {facts['reason']}"
     if restarts:

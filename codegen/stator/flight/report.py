@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 
-from stator.diagnostics import UserError, shown_path
+from stator.diagnostics import UserError, in_place, shown_argument, shown_path
 
 
 def report(facts: dict[str, object]) -> None:
@@ -26,7 +25,7 @@ def show(facts: dict[str, object], more: list[tuple[str, str]]) -> None:
     rows += more
     previous = ""
     for label, text in rows:
-        console.print(f"  {'' if label == previous else label:<10}{text}")
+        console.print(f"  {'' if label == previous else label:<10}{in_place(text)}")
         previous = label
 
 
@@ -129,24 +128,32 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     if facts["duration_s"] is not None:
         speed = f"{facts['duration_s']:.1f} s at {facts['speed_vs_real_time']:.0f} times real time"
         counts = f"{facts['activations']:,} activations, {facts['lost_samples']} samples lost"
+        if facts.get("missed_samples"):
+            counts += f", {facts['missed_samples']} missed by devices"
         rows.append(("run", f"{speed}; {counts}"))
-    rows += log_rows(facts)
-    if facts["missed_life_signs"]:
-        missed = f"{facts['missed_life_signs']} missed life signs; the log names the tasks"
-        rows.append(("life signs", missed))
-    if facts["unrecorded_activations"]:
-        lost = f"{facts['unrecorded_activations']:,} activations are not recorded (buffer full)"
-        rows.append(("recording", f"it has a gap: {lost}"))
+    rows += [*log_rows(facts), *watch_rows(facts)]
     if not facts["success"]:
         rows += picture_row(facts)
         rows.append(("next", "repeat the command: it flies the same flight"))
         return rows
     file = Path(str(facts["log"]))
-    log = shlex.quote(shown_path(file))
+    log = shown_argument(file)
     if file.stat().st_size:  # a graph without a logger leaves it empty
         rows.append(("next", f"draw it: ./stator plot {log}"))
-    if facts["recording"] is not None:
+    if facts["recording"] is not None and not facts["unrecorded_activations"]:
         rows.append(("next", f"repeat it bit for bit: ./stator replay {log}"))
+    return rows
+
+
+def watch_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
+    """Bad facts that every kind of flight can have."""
+    rows = []
+    if facts["missed_life_signs"]:
+        missed = f"{facts['missed_life_signs']} missed life signs; the log names the tasks"
+        rows.append(("life signs", missed))
+    if facts["unrecorded_activations"]:
+        lost = f"{facts['unrecorded_activations']:,} activations are not recorded (buffer full)"
+        rows.append(("recording", f"it has a gap: {lost}; a replay ends there"))
     return rows
 
 

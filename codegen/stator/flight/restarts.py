@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
+import select
 import signal
 import subprocess
 import sys
 from typing import TYPE_CHECKING
 
 from stator.build.cpp_source import constant
+from stator.diagnostics import SIGNALLED
+from stator.processes import start
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -16,10 +20,9 @@ if TYPE_CHECKING:
     from types import FrameType
 
 RESTART = constant("boards/linux/main.cpp", "kRestart")
-SIGNALLED = 128  # plus the number of the signal
 # The shortest length that counts for one life: a program that restarts at once must end, too.
 MIN_LIFE_S = 0.1
-ENDING = (signal.SIGINT, signal.SIGTERM)
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def run_lives(
@@ -54,7 +57,9 @@ class _Endings:
         self._process: subprocess.Popen[str] | None = None
 
     def __enter__(self) -> _Endings:
-        self._before = {number: signal.signal(number, self._hear) for number in ENDING}
+        # nohup ignores SIGHUP, and so does what it runs.
+        heard = [n for n in ENDING if n != signal.SIGHUP or signal.getsignal(n) != signal.SIG_IGN]
+        self._before = {number: signal.signal(number, self._hear) for number in heard}
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -65,7 +70,7 @@ class _Endings:
         pipe = subprocess.PIPE
         before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
         try:
-            process = subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True)
+            process = start(command, stdout=pipe, stderr=pipe)
             self._process = process
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
@@ -78,5 +83,19 @@ class _Endings:
 
     def _hear(self, number: int, _: FrameType | None) -> None:
         self.heard = number
+        if number == signal.SIGHUP:
+            _leave_closed_terminal()
         if self._process is not None:
             self._process.send_signal(number)
+
+
+def _leave_closed_terminal() -> None:
+    """A report that cannot be shown must not fail: what is kept beside the log counts."""
+    watch = select.poll()
+    for descriptor in (1, 2):
+        watch.register(descriptor, 0)
+    for descriptor, event in watch.poll(0):
+        if event & (select.POLLHUP | select.POLLERR):
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, descriptor)
+            os.close(nowhere)

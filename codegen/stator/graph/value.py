@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from stator.language.shapes import quoted
-from stator.quantities import CONVERSIONS, shown, split
+from stator.quantities import CONVERSIONS, meant, shown, split
 
 if TYPE_CHECKING:
     from stator.diagnostics import Report
@@ -127,10 +127,11 @@ def _factor(param: Param, unit: str, item: Scalar, report: Report) -> Fraction |
             f"write {bare} or {bare} %",
         )
     else:
+        same = meant(unit, choices)
         report.error(
             item.mark,
             "unit-unknown",
             f"expected a value in {param.unit} for '{param.name}', found {quoted(item.text)}",
-            "use " + " or ".join(choices),
+            f"write {same}" if same else "use " + " or ".join(choices),
         )
     return None

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from stator.language.shapes import Leaf, quoted, scalar
-from stator.quantities import UNITS, shown, split
+from stator.quantities import UNITS, meant, shown, split
 
 if TYPE_CHECKING:
     from stator.diagnostics import Report
@@ -55,11 +55,11 @@ def _period(text: str, least_us: int, most_us: int) -> tuple[int, tuple[str, str
             f"add the unit, for example {text} us, {text} ms or {text} Hz",
         )
     if unit not in UNITS:
-        same = [known for known in UNITS if known.lower() == unit.lower()]
+        same = meant(unit, UNITS)
         return 0, (
             "unit-unknown",
             f"unknown unit of time {quoted(unit)}",
-            f"write {same[0]}" if same else f"use {', '.join(UNITS)}",
+            f"write {same}" if same else f"use {', '.join(UNITS)}",
         )
     dimension, factor = UNITS[unit]
     exact = number * factor

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import gzip
-import subprocess
 import tempfile
 import zlib
 from collections.abc import Iterable
@@ -15,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stator import HOME
+from stator.processes import run
 from stator.score.recordings import COLUMNS, IMU, MAG, RecordingError, write_rows
 
 GRAPH = HOME / "graph" / "attitude_recording.yaml"
@@ -143,7 +143,7 @@ def estimate(program: Path, data: bytes, samples: int) -> Array:
     with tempfile.TemporaryDirectory() as folder:
         recording, log = Path(folder) / "recording", Path(folder) / "attitude.ulg"
         write_rows(recording, rows_of(data))
-        subprocess.run([program, "--recording", recording, "--log", log], check=True)
+        run([program, "--recording", recording, "--log", log], check=True)
         return product(ENU_FROM_NED, attitudes_in(log, samples))
 
 

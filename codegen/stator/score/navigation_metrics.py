@@ -3,13 +3,13 @@ error after a time without satellites."""
 
 from __future__ import annotations
 
-import subprocess
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from stator.processes import run
 from stator.score.recordings import (
     GNSS,
     START_US,
@@ -104,7 +104,7 @@ def play_back(program: Path, rows: Array) -> Log:
     with tempfile.TemporaryDirectory() as folder:
         recording, log = Path(folder) / "recording", Path(folder) / "flight.ulg"
         write_rows(recording, rows)
-        subprocess.run([program, "--recording", recording, "--log", log], check=True)
+        run([program, "--recording", recording, "--log", log], check=True)
         return Log(log)
 
 

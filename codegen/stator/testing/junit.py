@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
+from stator.diagnostics import in_place
+
 
 class Outcome(Enum):
     PASSED = "passed"
@@ -26,7 +28,8 @@ class Case:
 
     @property
     def rerun(self) -> str:
-        return f"./stator test {shlex.quote(self.selector)}" if self.selector else "./stator test"
+        again = "./stator test" + (f" {shlex.quote(self.selector)}" if self.selector else "")
+        return in_place(again)
 
 
 def read_ctest(path: Path) -> list[Case]:

@@ -11,6 +11,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from stator.build.cmake import lock_of
+from stator.lock import held
+from stator.processes import environment
+
 # Not formatted: build output, and the expected output of the generator.
 SKIPPED_FOLDERS = {"build", "golden", "__pycache__"}
 TIDY_FOLDER = Path("build") / "lint"
@@ -51,6 +55,7 @@ def output(command: list[str], root: Path) -> str:
         text=True,
         errors="replace",
         cwd=root,
+        env=environment(),
         check=False,
     )
     failed = finished.returncode != 0
@@ -88,6 +93,11 @@ def _python(*arguments: str) -> Callable[[Path], list[str]]:
 
 def clang_tidy(root: Path) -> str:
     """Checks all code except tests, which the compilers' warnings check."""
+    with held(lock_of(root / TIDY_FOLDER), "runs clang-tidy"):
+        return _clang_tidy(root)
+
+
+def _clang_tidy(root: Path) -> str:
     own = set(cpp_files(root))
     folder_of: dict[Path, Path] = {}
     for name, (graph, board, *options) in TIDY_PROGRAMS.items():

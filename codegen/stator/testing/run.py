@@ -11,6 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stator import HOME
+from stator.build.cmake import lock_of
+from stator.build.paths import check_paths
+from stator.diagnostics import in_place
+from stator.lock import held
+from stator.processes import environment as environment_of_builds
 from stator.testing.junit import Case, Outcome, read_ctest, read_pytest
 
 PRESET = "host"
@@ -110,7 +115,7 @@ def build(folder: Path, environment: Mapping[str, str]) -> Case | None:
                 continue
             text = log.read_text(encoding="utf-8")
         except FileNotFoundError as error:
-            text = f"{error}\nhint: install it with ./stator setup\n"
+            text = in_place(f"{error}\nhint: install it with ./stator setup\n")
         # Remove ninja's progress lines, so that the errors are visible.
         lines = [line for line in text.splitlines() if not re.match(r"\[\d+/\d+\] ", line)]
         return Case(name, Outcome.FAILED, "\n".join(lines))
@@ -170,13 +175,20 @@ def closing_lines(cases: Iterable[Case]) -> list[str]:
 
 
 def environment_of_tests(root: Path) -> dict[str, str]:
-    environment = dict(os.environ)
+    environment = environment_of_builds()
     environment.setdefault("STATOR_DATA", str(root.parent / "shared" / "data"))
     return environment
 
 
 def run_all(names: list[str], long: bool) -> list[Case]:
+    """Of two at once in one checkout the second waits: they share what is built, and reports."""
     folder = HOME / "build" / PRESET
+    check_paths([HOME])
+    with held(lock_of(folder), "builds and tests"):
+        return _run_all(folder, names, long)
+
+
+def _run_all(folder: Path, names: list[str], long: bool) -> list[Case]:
     environment = environment_of_tests(HOME)
     failure = build(folder, environment)
     if failure:

@@ -90,9 +90,9 @@ void sleep_until_us(uint64_t time_us);
 [[nodiscard]] bool make_device_thread(pthread_t& thread, const char* name, void (*run)(void*),
                                       void* object);
 
-// Starts the graph: all levels exist before the first task runs. SIGINT and SIGTERM end `wait` from
-// here on. False, after one line on the standard error output, if the machine has no threads for
-// it; then nothing runs. Once a process.
+// Starts the graph: all levels exist before the first task runs. SIGINT, SIGTERM and (unless it
+// is ignored) SIGHUP end `wait` from here on. False, after one line on the standard error output,
+// if the machine has no threads for it; then nothing runs. Once a process.
 [[nodiscard]] bool start(const Settings& settings = {});
 const std::vector<Refusal>& refusals();
 bool is_real_time();  // the levels have SCHED_FIFO
@@ -119,7 +119,7 @@ bool wait_until_idle(uint64_t longest_us);
 // Ends the graph in order: no more lines, no more releases; what is pending runs to its end, then
 // the levels end. True if everything came to its end within a second of the clock; what was not
 // begun until then is left out, and no thread is left, but for levels with a task that does not end
-// in the second after: they are left running, `unended_task` says which, and SIGINT and SIGTERM end
+// in the second after: they are left running, `unended_task` says which, and these signals end
 // the process again. End it with `_exit` then, as nothing that the task uses may be destroyed.
 bool finish();
 // What a level that is left is in; null: the level has ended.

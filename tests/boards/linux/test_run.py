@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import pty
 import signal
 import subprocess
 import sys
@@ -45,7 +46,7 @@ def test_a_short_run_is_told_in_full(tmp_path: Path) -> None:
     log = tmp_path / "short.ulg"
     status, facts = run("--duration", "1.5", "-o", str(log))
     assert status == 1
-    cut, why = facts["reason"].split("; ")
+    cut, why = facts["reason"].split("; ")[-2:]  # a busy machine may miss life signs, too
     assert cut == "--duration 1.5 s ended the flight early"
     assert why.startswith("no take-off")
     assert facts["board"] == "linux"
@@ -122,11 +123,14 @@ def test_parts_of_a_bus_need_a_bus(capsys: pytest.CaptureFixture[str]) -> None:
     assert "hint: add --can vcan0" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_it_in_order(program: Path, tmp_path: Path, number: int) -> None:
     log = tmp_path / "ended.ulg"
+    heard = ["env", "--default-signal=HUP"]  # also where these tests run under nohup
     with subprocess.Popen(
-        [*COMMAND, "--duration", "100", "--json", "-o", str(log)], stdout=subprocess.PIPE, text=True
+        [*heard, *COMMAND, "--duration", "100", "--json", "-o", str(log)],
+        stdout=subprocess.PIPE,
+        text=True,
     ) as process:
         while not log.is_file() or log.stat().st_size < 20_000:
             time.sleep(0.05)
@@ -193,7 +197,9 @@ def test_a_graph_without_a_logger_runs_to_its_end(tmp_path: Path) -> None:
         status, facts = run(
             str(GRAPHS / "no_logger.yaml"), "--duration", "0.5", "-o", str(tmp_path / "log"), *more
         )
-        assert (status, facts["success"], facts["reason"]) == (0, True, "ran to its end")
+        # Also on a machine that is too busy for the life signs of a task.
+        assert (status == 0) == facts["success"] == (facts["missed_life_signs"] == 0)
+        assert facts["reason"].endswith("ran to its end")
         assert facts["recording"] is None
 
 
@@ -284,3 +290,42 @@ def test_the_quad_flies(tmp_path: Path) -> None:
     status, facts = run("-o", str(tmp_path / "flight.ulg"))
     assert facts["reason"] == "landed and disarmed, within all limits"
     assert status == 0
+
+
+def wait_for_log(log: Path) -> None:
+    while not log.is_file() or log.stat().st_size < 20_000:
+        time.sleep(0.05)
+
+
+def wait_until_none_has(log: Path) -> None:
+    while subprocess.run(["pgrep", "-f", str(log)], capture_output=True, check=False).stdout:
+        time.sleep(0.05)
+
+
+@pytest.mark.usefixtures("program")
+def test_a_killed_front_takes_its_program_along(tmp_path: Path) -> None:
+    """Which ends in order, so that the log is whole."""
+    log = tmp_path / "killed.ulg"
+    with subprocess.Popen([*COMMAND, "--duration", "3600", "-o", str(log)]) as front:
+        wait_for_log(log)
+        front.kill()
+    wait_until_none_has(log)
+    assert not ULog(str(log)).file_corruption
+
+
+@pytest.mark.usefixtures("program")
+def test_a_closed_terminal_ends_it_in_order(tmp_path: Path) -> None:
+    """The report is kept beside the log."""
+    log = tmp_path / "closed.ulg"
+    pid, terminal = pty.fork()
+    if pid == 0:
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
+        command = [*COMMAND, "--duration", "3600", "-o", str(log)]
+        os.execv(command[0], command)
+    wait_for_log(log)
+    os.close(terminal)
+    assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 128 + signal.SIGHUP
+    wait_until_none_has(log)
+    assert not ULog(str(log)).file_corruption
+    facts = json.loads(log.with_suffix(".json").read_text(encoding="utf-8"))
+    assert facts["reason"].startswith("SIGHUP after")

@@ -2,6 +2,9 @@
 
 import errno
 import os
+import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -77,6 +80,22 @@ def test_what_the_machine_refuses(
     monkeypatch.setattr("stator.plan.hash.graph_hash", refused)
     assert cli.main(["check", str(HOME / "graph" / "quad.yaml"), "--json"]) == 2
     assert capsys.readouterr().err == "error: cannot use '/place': Permission denied\n"
+
+
+def test_what_cannot_be_written_is_not_done() -> None:
+    """Not Python's own status, 120, with what it calls an ignored exception."""
+    stator = [sys.executable, "-I", "-X", "utf8", "-m", "stator"]
+    check = [*stator, "check", str(HOME / "graph" / "quad.yaml")]
+    for command in (check, [*check, "--json"], [*stator, "--help"]):
+        with open("/dev/full", "w") as full:  # noqa: PTH123
+            finished = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, check=False)
+        said = b"error: cannot write the output: No space left on device\n"
+        assert (finished.returncode, finished.stderr) == (2, said)
+    for closed in (">&-", "2>&-", "2>/dev/full"):
+        line = f"{shlex.join([*stator, 'gen', 'missing.yaml', '-o', '/dev/null'])} {closed}"
+        finished = subprocess.run(["bash", "-c", line], capture_output=True, check=False)
+        assert (finished.returncode, finished.stdout) == (2, b"")
+        assert b"Traceback" not in finished.stderr
 
 
 def test_a_build_folder_of_another_user(

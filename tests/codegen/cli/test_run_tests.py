@@ -105,9 +105,9 @@ def test_failures_are_shown_and_counted(project: Path) -> None:
     assert "--- Sum.hangs: Timeout\n" in output
     assert "No module named 'no_such_module'" in output
     assert lines[-4:] == [
-        r"FAILED Sum.fails    again: ./stator test '^Sum\.fails$'",
-        r"FAILED Sum.hangs    again: ./stator test '^Sum\.hangs$'",
-        "FAILED tests/test_broken.py    again: ./stator test tests/test_broken.py",
+        rf"FAILED Sum.fails    again: '{project}/stator' test '^Sum\.fails$'",
+        rf"FAILED Sum.hangs    again: '{project}/stator' test '^Sum\.hangs$'",
+        f"FAILED tests/test_broken.py    again: '{project}/stator' test tests/test_broken.py",
         "2 passed, 3 failed, 2 skipped",
     ]
 
@@ -118,7 +118,10 @@ def test_a_build_that_fails_is_a_failed_test(project: Path) -> None:
     status, lines = run(project)
     assert status == 1
     assert any("no_such_file" in line for line in lines)
-    assert lines[-2:] == ["FAILED build    again: ./stator test", "0 passed, 1 failed, 0 skipped"]
+    assert lines[-2:] == [
+        f"FAILED build    again: '{project}/stator' test",
+        "0 passed, 1 failed, 0 skipped",
+    ]
 
 
 def test_a_broken_configuration_is_a_failed_test(project: Path) -> None:

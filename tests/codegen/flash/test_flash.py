@@ -13,6 +13,7 @@ from tests.emulation.firmware_tools import needs_toolchain
 
 from stator import HOME
 from stator import __main__ as cli
+from stator.build.cmake import short_name
 from stator.build.px4_bootloader import crc_of_flash
 from stator.commands import flash
 
@@ -40,7 +41,8 @@ def test_the_whole_image_is_programmed_checked_and_started(
 ) -> None:
     board = BootloaderModel()
     assert run("--port", board.port) == 0
-    image = (HOME / "build" / "chain-fmu_v2" / "graph_program.bin").read_bytes()
+    folder = HOME / "build" / f"{short_name(GRAPH)}-fmu_v2"
+    image = (folder / "graph_program.bin").read_bytes()
     assert bytes(board.flash[: len(image)]) == image
     board.thread.join(10.0)
     assert board.started

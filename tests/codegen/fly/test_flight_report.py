@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
+import json
+import subprocess
 from typing import TYPE_CHECKING, Any
 
+from stator.commands import run
+from stator.flight.facts import facts_of
 from stator.flight.judge import CALM, IN_WIND
-from stator.flight.report import flight_rows, log_rows
+from stator.flight.report import flight_rows, log_rows, report
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    import pytest
 
 FACTS: dict[str, Any] = {
     "mission": "square",
@@ -97,3 +103,58 @@ def test_a_storage_that_may_not_take_the_recording_is_told(tmp_path: Path) -> No
         "x stores 460 kB/s: LESS than the highest rate; hint: --no-record writes no recording"
     )
     assert log_rows(facts) == [at_most, ("storage", too_little)]
+
+
+# What may be wrong with a flight that ended well, each with a number that is found in a text.
+BAD = {
+    "lost_samples": 701,
+    "missed_samples": 702,
+    "missed_releases": 703,
+    "missed_life_signs": 704,
+    "unrecorded_activations": 705,
+}
+ENDED: dict[str, Any] = {
+    "graph": "quad",
+    "board": "linux",
+    "seed": 1,
+    "success": True,
+    "reason": "ran to its end",
+    "take_off_s": None,
+    "max_error_m": None,
+    "attitude_error_deg": None,
+    "touchdown_m_s": None,
+    "duration_s": 6.0,
+    "speed_vs_real_time": 1.0,
+    "speed": 1.0,
+    "activations": 100,
+    "levels": [{"level": 5, "load": 0.5, "worst_release_us": 0.0}],
+    "not_allowed": [],
+    "nonvolatile": None,
+}
+
+
+def test_a_person_gets_each_bad_fact_that_a_program_gets(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = tmp_path / "flight.ulg"
+    log.write_bytes(b"ULog")
+    facts = ENDED | BAD | {"log": str(log), "recording": str(log)}
+    run._report(facts, [], as_json=False)
+    text = capsys.readouterr().out
+    assert [key for key, number in BAD.items() if str(number) not in text] == []
+    report(facts)  # of fly and emulate; releases are counted of threads alone
+    text = capsys.readouterr().out
+    missing = [key for key, number in BAD.items() if str(number) not in text]
+    assert missing == ["missed_releases"]
+    assert "replay" in text
+    assert "bit for bit" not in text, "a recording with a gap does not replay as a whole"
+
+
+def test_a_missed_life_sign_is_no_success(tmp_path: Path) -> None:
+    log = tmp_path / "flight.ulg"
+    log.write_bytes(b"ULog")
+    run = {"simulated_s": 6.0, "wall_s": 6.0, "ended": "time_limit", "missed_life_signs": 57}
+    finished = subprocess.CompletedProcess([], 0, json.dumps(run), "")
+    facts = facts_of(finished, log, tmp_path / "truth", most_s=6.0, judges=False)
+    assert facts["success"] is False
+    assert facts["reason"] == "57 missed life signs: a task did not run in time; ran to its end"

@@ -9,6 +9,7 @@ import pytest
 from pyulog import ULog
 
 from stator import __main__ as cli
+from stator.diagnostics import entry
 
 
 def test_a_new_app_in_a_new_graph_flies_as_written(
@@ -16,10 +17,10 @@ def test_a_new_app_in_a_new_graph_flies_as_written(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert cli.main(["new", "app", "lean_alarm"]) == 0
-    assert "next: ./stator new graph lean_alarm_quad --app lean_alarm" in capsys.readouterr().out
+    assert f"next: {entry()} new graph lean_alarm_quad --app lean_alarm" in capsys.readouterr().out
     assert cli.main(["new", "graph", "lean_alarm_quad", "--app", "lean_alarm"]) == 0
-    assert "next: ./stator fly lean_alarm_quad.yaml" in capsys.readouterr().out
-    assert cli.main(["fly", "lean_alarm_quad.yaml", "--json"]) == 0
+    assert f"next: {entry()} fly lean_alarm_quad.yaml" in capsys.readouterr().out
+    assert cli.main(["fly", "lean_alarm_quad.yaml", "--json", "-o", "log.ulg"]) == 0
     facts = json.loads(capsys.readouterr().out)
     parameters = ULog(facts["log"]).initial_parameters
     assert parameters["lean_alarm.limit"] == 0.5

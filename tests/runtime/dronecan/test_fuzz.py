@@ -28,8 +28,7 @@ def fuzzer() -> Path:
     BUILD.mkdir(parents=True, exist_ok=True)
     python = [sys.executable, "-I", "-X", "utf8"]
     codecs = BUILD / "codecs"
-    command = [sys.executable, "-m", "stator.build.dronecan_codecs", str(codecs)]
-    subprocess.run(command, cwd=ROOT / "codegen", check=True)
+    subprocess.run([*python, "-m", "stator.build.dronecan_codecs", str(codecs)], check=True)
     subprocess.run([*python, str(HERE / "make_seeds.py"), str(BUILD / "seeds")], check=True)
     program = BUILD / "fuzz_transfers"
     runtime = ROOT / "runtime" / "dronecan"

@@ -1,0 +1,49 @@
+"""Processes that commands start: what they get of the environment, and how they end."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+# What of the user's environment a build and its tests get; all else (CXXFLAGS, CPATH, CMAKE_*,
+# CCACHE_*, PYTHON*, ...) could change what is built, without a trace in the build folder.
+PASSED = {
+    *("PATH", "HOME", "USER", "LOGNAME", "SHELL", "TERM", "TZ", "TMPDIR"),
+    *("DISPLAY", "WAYLAND_DISPLAY", "XAUTHORITY", "XDG_RUNTIME_DIR"),
+    *("CMAKE_BUILD_PARALLEL_LEVEL", "CTEST_PARALLEL_LEVEL"),  # how fast, not what
+}
+PASSED_PREFIX = "STATOR_"
+# Messages that are read by a program are in English, and names of files are UTF-8.
+FIXED = {"LC_ALL": "C.UTF-8"}
+
+
+def environment() -> dict[str, str]:
+    """Of a process that builds or tests."""
+    passed = {
+        name: value
+        for name, value in os.environ.items()
+        if name in PASSED or name.startswith(PASSED_PREFIX)
+    }
+    return passed | FIXED
+
+
+def start(command: Sequence[str | Path], **options: Any) -> subprocess.Popen[str]:
+    """As `subprocess.Popen`, with text. What is started gets SIGTERM when this process has been
+    killed, so that nothing is left behind."""
+    return subprocess.Popen([*_ending_with_parent(), *command], text=True, **options)
+
+
+def run(command: Sequence[str | Path], **options: Any) -> subprocess.CompletedProcess[str]:
+    """As `subprocess.run`, with text; ends as what `start` starts."""
+    return subprocess.run([*_ending_with_parent(), *command], text=True, **options)
+
+
+def _ending_with_parent() -> list[str]:
+    setpriv = shutil.which("setpriv")
+    return [] if setpriv is None else [setpriv, "--pdeathsig", "TERM", "--"]
