@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stator.testing.junit import Outcome
-from stator.testing.run import closing_lines, run_all
+from stator.testing.run import SLOWEST, closing_lines, run_all, slowest_lines
 
 if TYPE_CHECKING:
     import argparse
@@ -27,6 +27,8 @@ def main(options: argparse.Namespace) -> int:
         matches = f": no test matches {' '.join(options.names)}" if options.names else ""
         longer = "" if options.long else "\nhint: add --long to include the long tests"
         print(f"no test ran{matches}{longer}")
+    if not options.names:
+        print("\n".join(["", f"slowest {SLOWEST}:", *slowest_lines(cases)]))
     print("\n".join(["", *closing_lines(cases)]), flush=True)
     failed = any(case.outcome is Outcome.FAILED for case in cases)
     passed = any(case.outcome is Outcome.PASSED for case in cases)

@@ -3,7 +3,7 @@
 import re
 import shlex
 import xml.etree.ElementTree as ElementTree
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
 
@@ -25,6 +25,7 @@ class Case:
     outcome: Outcome
     text: str = ""
     selector: str = ""
+    seconds: float = 0.0
 
     @property
     def rerun(self) -> str:
@@ -33,12 +34,16 @@ class Case:
 
 
 def read_ctest(path: Path) -> list[Case]:
-    return [_ctest_case(element) for element in _elements(path)]
+    return [_timed(_ctest_case(element), element) for element in _elements(path)]
 
 
 def read_pytest(path: Path) -> list[Case]:
     """Needs `junit_family=xunit1`, which names the file of each test."""
-    return [_pytest_case(element) for element in _elements(path)]
+    return [_timed(_pytest_case(element), element) for element in _elements(path)]
+
+
+def _timed(case: Case, element: ElementTree.Element) -> Case:
+    return replace(case, seconds=float(element.get("time") or 0.0))
 
 
 def _elements(path: Path) -> list[ElementTree.Element]:

@@ -20,6 +20,7 @@ from stator.testing.junit import Case, Outcome, read_ctest, read_pytest
 
 PRESET = "host"
 PROGRESS_PERIOD_S = 10.0
+SLOWEST = 20  # tests that are listed with their times
 # Suites and tests as GoogleTest declares them: TEST(Suite, name), TEST_F, TEST_P, TYPED_TEST.
 SUITE = re.compile(r"^\s*(?:TYPED_)?TEST(?:_[FP])?\(\s*(\w+)\s*,", re.MULTILINE)
 # A failed test in ctest's last list, `12 - name (Timeout)`; its XML lacks the reason.
@@ -151,6 +152,8 @@ def run_pytest(
     command += ["--continue-on-collection-errors", "-o", "junit_family=xunit1"]
     command += [f"--junitxml={report}"]
     command += ["-m", "long or not long" if long else "not long", *arguments]
+    if not arguments:  # everything: files of tests run side by side
+        command += ["-n", str(os.cpu_count() or 1), "--dist", "loadfile"]
     print("Python tests: pytest", flush=True)
     finished = subprocess.run(
         command, stdin=subprocess.DEVNULL, cwd=HOME, env=environment, check=False
@@ -160,6 +163,12 @@ def run_pytest(
     if finished.returncode not in (0, 1, 5) and all(c.outcome is not Outcome.FAILED for c in cases):
         cases.append(Case("pytest", Outcome.FAILED, f"ended with {finished.returncode}"))
     return cases
+
+
+def slowest_lines(cases: Iterable[Case]) -> list[str]:
+    """The tests that took longest, of both kinds; a build that one waits for is its time."""
+    slowest = sorted(cases, key=lambda case: -case.seconds)[:SLOWEST]
+    return [f"{case.seconds:7.1f} s  {case.name}" for case in slowest if case.seconds > 0.0]
 
 
 def closing_lines(cases: Iterable[Case]) -> list[str]:
