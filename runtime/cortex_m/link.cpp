@@ -23,7 +23,7 @@ void put_sample(Writer& out, unsigned index) {
         Writer body = out;
         const uint32_t head = topic.state->head.load();
         Pin pin;
-        if (head == 0 || !take_latest(topic, 0, pin, false)) break;
+        if (!take_latest(topic, 0, pin, false)) break;
         const auto bytes = std::min(topic.sample_bytes, kMaxSampleBytes);
         body.put(head);
         body.put(static_cast<const uint8_t*>(topic.samples) + pin.slot * topic.sample_bytes, bytes);

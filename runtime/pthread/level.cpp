@@ -70,6 +70,7 @@ class LevelThread {
   private:
     void run();
     uint64_t release_due();
+    uint64_t make_releases();
     void run_task(unsigned index);
     void sleep(uint64_t until_us);
 
@@ -89,6 +90,7 @@ bool LevelThread::create(unsigned level) {
     place_ = level;
     level_ = &program.levels[level];
     word_ = &pending_words[level].bits;
+    word_->fetch_or(kAwake);  // from here on, so that it is not at rest before its first round
     const ThreadAttributes attributes(level_->priority);
     const auto entry = [](void* object) -> void* {
         static_cast<LevelThread*>(object)->run();
@@ -103,7 +105,8 @@ void LevelThread::run() {
     std::snprintf(name, sizeof name, "level %u", level_->priority);
     prepare_thread(name);
     wait_at_gate();
-    word_->fetch_or(kAwake, std::memory_order_relaxed);
+    // Those of the start, also if the end has come meanwhile; not if nothing is to run.
+    if ((word_->load(std::memory_order_relaxed) & kStop) == 0) make_releases();
     for (;;) {
         const uint64_t next_us = release_due();
         const uint32_t bits = word_->load(std::memory_order_relaxed);
@@ -119,10 +122,13 @@ void LevelThread::run() {
     has_ended_.store(true, std::memory_order_release);
 }
 
+uint64_t LevelThread::release_due() {
+    return level_->timer_count == 0 || releases_end.load() ? kNever : make_releases();
+}
+
 // Pends what is due, and returns when the next release is. A level that was late makes all releases
 // that it missed; the task counts those that it served together.
-uint64_t LevelThread::release_due() {
-    if (level_->timer_count == 0 || releases_end.load()) return kNever;
+uint64_t LevelThread::make_releases() {
     const uint64_t now_ns = clock_ns();
     uint64_t next_us = kNever;
     for (unsigned i = 0; i < level_->timer_count; ++i) {

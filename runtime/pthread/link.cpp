@@ -29,15 +29,16 @@
 namespace stator {
 
 // Pins the sample as any reader does: the compiler plans a slot for it. Numbers do not go back.
-uint32_t copy_newest(const Topic& topic, uint8_t* to, size_t bytes) {
+bool copy_newest(const Topic& topic, uint8_t* to, size_t bytes, uint32_t& number) {
     const Pin& kept = topic.state->kept[current_level];
     Pin pin;
-    if (!take_latest(topic, kept.is_kept ? kept.number : 0, pin)) return 0;
+    if (!take_latest(topic, kept.is_kept ? kept.number : 0, pin)) return false;
     std::memcpy(to,
                 static_cast<const uint8_t*>(topic.samples) + size_t{pin.slot} * topic.sample_bytes,
                 bytes);
+    number = pin.number;
     release(topic, pin);
-    return pin.number;
+    return true;
 }
 
 namespace {
@@ -51,10 +52,11 @@ void put_sample(Writer& out, unsigned index) {
     const Topic& topic = *program.topics[index];
     const auto bytes = std::min(topic.sample_bytes, kMaxSampleBytes);
     std::array<uint8_t, kMaxSampleBytes> sample;
-    const uint32_t number = copy_newest(topic, sample.data(), bytes);
+    uint32_t number = 0;
+    const bool is_there = copy_newest(topic, sample.data(), bytes, number);
     out.put(static_cast<uint16_t>(index));
     out.put(number);
-    if (number != 0) out.put(sample.data(), bytes);
+    if (is_there) out.put(sample.data(), bytes);
 }
 
 size_t answer(const uint8_t* request, size_t count, uint8_t* body) {

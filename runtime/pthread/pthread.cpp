@@ -92,6 +92,7 @@ bool cancel(unsigned levels, const char* what) {
     close_link();
     stop_releases();
     drop_pending();
+    for (unsigned level = 0; level < levels; ++level) stop_level(level);
     open_gate(1.0);
     static_cast<void>(end_levels(levels, UINT64_MAX));
     return false;

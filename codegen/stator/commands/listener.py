@@ -62,7 +62,7 @@ def _listen(link: Link, index: int, message: Message, arguments: argparse.Namesp
     left = arguments.count
     while left != 0:
         number, data = link.sample(index)
-        if number == 0 or (before is not None and number == before[0]):
+        if not data or (before is not None and number == before[0]):
             time.sleep(LOOK_S)
             continue
         values = decode(message, data)

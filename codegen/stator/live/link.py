@@ -224,7 +224,7 @@ class Link:
         return time_us, figures
 
     def sample(self, topic: int) -> tuple[int, bytes]:
-        """The number of the newest sample of a topic (0: none yet), and its bytes."""
+        """The number of the newest sample of a topic, and its bytes; none: no sample yet."""
         body = self.ask(SAMPLE, topic)
         _, number = struct.unpack_from("<HI", body)
         return number, body[6:]

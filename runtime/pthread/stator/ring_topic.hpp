@@ -158,12 +158,21 @@ inline bool is_empty(const Topic& topic) {
     return slot_of(last.word.load(std::memory_order_relaxed)) == kNoSlot;
 }
 
-// Takes the newest sample, but none older than number `seen`, which the reader has seen already: an
-// entry may be newer than `head` still says, by one. False if there is none yet: then nothing is
-// held. Wait-free.
+// True if the reader has seen sample `seen`, which `head` does not count yet: an entry may be newer
+// than `head` says, by one. A reader says 0 if it has seen none or the 2^32nd; there, the entry
+// tells.
+inline bool is_ahead(const Topic& topic, uint32_t seen, uint32_t head) {
+    if (seen - head != 1) return false;
+    if (seen != 0) return true;
+    const uint64_t entry = topic.ring[topic.depth - 1U].word.load(std::memory_order_acquire);
+    return slot_of(entry) != kNoSlot && static_cast<int32_t>(sequence_of(entry) - head) >= 0;
+}
+
+// Takes the newest sample, but none older than number `seen`, which the reader has seen already.
+// False if there is none yet: then nothing is held. Wait-free.
 inline bool take_latest(const Topic& topic, uint32_t seen, Pin& pin, bool /*marks*/ = true) {
     uint32_t head = newest_number(topic);
-    if (seen - head == 1) head = seen;
+    if (is_ahead(topic, seen, head)) head = seen;
     Pin& kept = topic.state->kept[current_level];
     if (!kept.is_kept || kept.number != head) {
         if (head == 0 && is_empty(topic)) return false;
@@ -177,8 +186,8 @@ inline bool take_latest(const Topic& topic, uint32_t seen, Pin& pin, bool /*mark
 
 // True if a sample after number `cursor` was published.
 inline bool has_unread(const Topic& topic, uint32_t cursor) {
-    // As above, `head` may be behind by one.
-    return newest_number(topic) - cursor + 1 > 1;
+    const uint32_t head = newest_number(topic);
+    return head != cursor && !is_ahead(topic, cursor, head);
 }
 
 // Takes the oldest sample after number `cursor`, moves `cursor` on to it and adds to `lost` what
@@ -186,7 +195,7 @@ inline bool has_unread(const Topic& topic, uint32_t cursor) {
 inline bool take_next(const Topic& topic, uint32_t& cursor, uint32_t& lost, Pin& pin,
                       bool /*marks*/ = true) {
     const uint32_t head = newest_number(topic);
-    if (head - cursor + 1 <= 1) return false;
+    if (head == cursor || is_ahead(topic, cursor, head)) return false;
     uint32_t next = cursor;
     // Before the entry is taken: else a reader that was overtaken skips samples that are still
     // there.

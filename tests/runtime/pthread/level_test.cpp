@@ -39,6 +39,24 @@ TEST_F(LevelTest, tasks_of_a_level_run_in_planned_order_and_to_completion) {
     EXPECT_EQ(order, "ababab") << "the first bit first, peers after the job";
 }
 
+// A level that has not come to its first round is not at rest, and an end that comes before that
+// does not take the releases of the start away.
+TEST_F(LevelTest, what_is_released_at_the_start_is_served) {
+    unsigned served = 0;
+    jobs[4] = [&] { served += served_now(testing::timer_state, 1000) ? 1U : 0U; };
+    ask_permission({.real_time = false});
+    for (unsigned level = 0; level < program.level_count; ++level) ASSERT_TRUE(make_level(level));
+    EXPECT_TRUE(is_any_level_busy());
+    stop_releases();
+    open_gate(1.0);
+    ASSERT_TRUE(wait_until_idle(testing::kForever_us));
+    for (unsigned level = 0; level < program.level_count; ++level) {
+        stop_level(level);
+        EXPECT_TRUE(join_level(level, testing::kForever_us));
+    }
+    EXPECT_EQ(served, 1U);
+}
+
 // The link looks while the task is in the middle of counting.
 TEST_F(LevelTest, figures_are_of_whole_activations) {
     TaskCounters& counters = *program.tasks[0].counters;

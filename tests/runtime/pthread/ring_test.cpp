@@ -1,5 +1,6 @@
 // What is particular to the ring between threads: its words, and what each race may do to it. Races
 // are made by hand here, step by step; the stress makes them by chance.
+#include "stator/pthread.hpp"
 #include "topic_rig.hpp"
 
 namespace stator {
@@ -58,6 +59,47 @@ TEST_F(Ring, a_reader_ahead_of_head_goes_neither_back_nor_on) {
     release(topic.topic, pin);
     topic.state.head.store(3);
     EXPECT_TRUE(topic.is_idle());
+}
+
+// A reader that has seen none says 0, and so does one that has seen the 2^32nd sample.
+TEST_F(Ring, none_seen_is_told_from_a_number_that_wrapped) {
+    TopicOf<Reading, 2, 5> topic(0xFFFFFFFDU);
+    for (uint32_t i = 1; i <= 2; ++i) publish(topic.topic, Reading{0, i, 0}, 0);
+    Pin pin;
+    ASSERT_TRUE(take_latest(topic.topic, 0, pin));
+    EXPECT_EQ(pin.number, 0xFFFFFFFFU);
+    release(topic.topic, pin);
+    EXPECT_TRUE(has_unread(topic.topic, 0));
+    uint32_t cursor = 0;
+    uint32_t lost = 0;
+    Pin oldest;
+    ASSERT_TRUE(take_next(topic.topic, cursor, lost, oldest));
+    EXPECT_EQ(oldest.number, 0xFFFFFFFEU);
+    release(topic.topic, oldest);
+
+    publish(topic.topic, Reading{0, 3, 0}, 0);
+    topic.state.head.store(0xFFFFFFFFU);  // as if the commit were not quite done
+    EXPECT_FALSE(has_unread(topic.topic, 0));
+    cursor = 0;
+    EXPECT_FALSE(take_next(topic.topic, cursor, lost, oldest));
+    ASSERT_TRUE(take_latest(topic.topic, 0, pin));
+    EXPECT_EQ(pin.number, 0U);
+    release(topic.topic, pin);
+    topic.state.head.store(0);
+    EXPECT_TRUE(topic.is_idle());
+}
+
+TEST_F(Ring, the_link_copies_the_sample_whose_number_wrapped) {
+    Reading copy{};
+    auto* const bytes = reinterpret_cast<uint8_t*>(&copy);
+    uint32_t number = 1;
+    TopicOf<Reading, 1, 3> empty;
+    EXPECT_FALSE(copy_newest(empty.topic, bytes, sizeof copy, number));
+    TopicOf<Reading, 1, 3> topic(0xFFFFFFFFU);
+    publish(topic.topic, Reading{0, 7, 0}, 0);
+    ASSERT_TRUE(copy_newest(topic.topic, bytes, sizeof copy, number));
+    EXPECT_EQ(number, 0U);
+    EXPECT_EQ(copy.value, 7U);
 }
 
 // A reader that read `head` and then was overtaken gets a later sample, and says what it lost.

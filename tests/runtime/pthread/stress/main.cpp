@@ -60,9 +60,9 @@ class Monitor {
   private:
     void read(unsigned topic) {
         Block block{};
-        const uint32_t number =
-            copy_newest(*kBlocks[topic], reinterpret_cast<uint8_t*>(&block), sizeof block);
-        if (number == 0) return;
+        uint32_t number = 0;
+        auto* const bytes = reinterpret_cast<uint8_t*>(&block);
+        if (!copy_newest(*kBlocks[topic], bytes, sizeof block, number)) return;
         require(is_whole(block), "stress: the link reads a torn sample");
         require(number - numbers_[topic] < 1U << 31, "stress: the link goes backwards");
         require(number != numbers_[topic] || block.value == values_[topic],
