@@ -18,7 +18,7 @@ SHELLS = ("bash", "zsh", "fish")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "shell", choices=SHELLS, help="for bash: source <(./stator completion bash)"
+        "shell", choices=SHELLS, help='for bash: eval "$(./stator completion bash)"'
     )
 
 
