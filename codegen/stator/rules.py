@@ -66,6 +66,7 @@ RULES = {
     "params-publisher": "the parameters need exactly one publisher, which is an app",
     "params-name": "the name NODE.PARAMETER is longer than the limit",
     "log-many": "more than one logger",
+    "log-rate": "a logger that runs too rarely for what is logged",
     "log-large": "a message is too large to be logged",
     # failsafe tables
     "failsafe-total": "a failsafe table lacks a mode or an event, or has an unknown one",

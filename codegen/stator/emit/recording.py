@@ -6,10 +6,23 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from stator.diagnostics import UserError, shown_path
 from stator.emit import parameters as emit_parameters
 from stator.emit import rows as emit_rows
 from stator.graph.model import TYPES
 from stator.names import upper_camel
+from stator.plan.log_rate import (
+    MAX_SHARE,
+    SECOND_US,
+    at_once_bytes,
+    block_bytes,
+    blocks_at_once,
+    faster,
+    logged_bytes,
+    logger_of,
+    longest_period_us,
+    too_slow,
+)
 from stator.plan.rates import Rates
 
 if TYPE_CHECKING:
@@ -25,7 +38,8 @@ MIN_STREAM = 256
 HEAD_BYTES = 8  # task, end, what fired, time since the previous record
 TAKE_BYTES = 2  # tag and number
 CRC_BYTES = 4
-LOGGED_BYTES = 5  # of a logged sample, without its data: size, type, topic
+# Of the definitions of a topic and of a parameter in the log, without their texts.
+DEFINITION_BYTES = 16
 
 
 @dataclass(frozen=True)
@@ -236,12 +250,24 @@ def recording_row(plan: Plan, file: str) -> RecordingRow:
 def stream_bytes(plan: Plan) -> dict[int, int]:
     """Bytes that each level's stream holds: a power of two."""
     rates = Rates(plan.graph)
-    logger = next(n.name for n in plan.graph.nodes.values() if n.interface.reads_log)
-    held_us = max(Fraction(HELD_US), HELD_PERIODS * (rates.node(logger) or 0))
+    logger = logger_of(plan.graph)
+    assert logger is not None
+    bytes_per_us = Fraction(bytes_per_second(plan), SECOND_US)
+    period = rates.node(logger.name) or Fraction(0)
+    # Records wait while the definitions are written, and until the logger has caught up.
+    at_once = at_once_bytes(plan.graph, plan.topics)
+    share = min(bytes_per_us * period / at_once, MAX_SHARE)
+    start_us = (2 + _definition_bytes(plan) // at_once) * period / (1 - share)
+    held_us = max(Fraction(HELD_US), HELD_PERIODS * period, start_us)
+    blocks_per_us = bytes_per_us / block_bytes(plan.graph, plan.topics)
     sizes: dict[int, Fraction] = {}
     for task in recorded_tasks(plan):
         each = _record_bytes(plan, task, rates)
-        activations = 1 if task.kind == "parameters" else held_us / _period_us(rates, task.name) + 1
+        activations = Fraction(1)
+        if _is_woken_by(logger, task):
+            activations += blocks_at_once(plan.graph) + held_us * blocks_per_us
+        elif task.kind != "parameters":
+            activations += held_us / _period_us(rates, task.name)
         sizes[task.level] = sizes.get(task.level, Fraction(0)) + each * activations
     return {level: _power_of_two(max(Fraction(MIN_STREAM), size)) for level, size in sizes.items()}
 
@@ -254,12 +280,24 @@ def bytes_per_second(plan: Plan) -> int:
         for task in recorded_tasks(plan)
         if task.kind != "parameters"
     )
-    logged = sum(
-        Fraction(LOGGED_BYTES + topic.message.bytes) / (topic.log_us or topic.period_us or 1000)
-        for topic in plan.topics.values()
-        if topic.log_us is not None
-    )
-    return round((recorded + logged) * 1_000_000)
+    return round(recorded * SECOND_US + logged_bytes(plan.topics))
+
+
+def check_recording_rate(plan: Plan) -> None:
+    """Raises `UserError` for a logger that is too slow for a full recording."""
+    logger = logger_of(plan.graph)
+    period = None if logger is None else Rates(plan.graph).node(logger.name)
+    if logger is None or period is None:
+        return
+    wanted = Fraction(bytes_per_second(plan))
+    longest = longest_period_us(plan.graph, plan.topics, wanted)
+    if period > longest:
+        mark = logger.triggers[0].mark
+        raise UserError(
+            f"{shown_path(mark.file)}:{mark.line}:{mark.column}: error: with the recording, "
+            f"{too_slow(logger, period, wanted, longest)}\n"
+            f"hint: {faster(longest)}; --no-record flies without the recording"
+        )
 
 
 def storage_bytes_per_second(plan: Plan) -> int | None:
@@ -271,6 +309,20 @@ def storage_bytes_per_second(plan: Plan) -> int | None:
 def _period_us(rates: Rates, node: str) -> Fraction:
     """Of a node that nothing is known of: 1 ms."""
     return rates.node(node) or Fraction(1000)
+
+
+def _is_woken_by(logger: Node, task: Recorded) -> bool:
+    blocks = {output.topic for output in logger.outputs.values()}
+    return any(port.kind == "trigger" and port.topic in blocks for port in task.inputs)
+
+
+def _definition_bytes(plan: Plan) -> int:
+    """What a log with a recording begins with."""
+    topics = [topic for topic in plan.topics.values() if topic.log_us is not None]
+    texts = [len(layout(topic.message)) + 2 * len(topic.name) for topic in topics]
+    texts += [len(f"{n.name}.{key}") for n in plan.graph.nodes.values() for key in n.params]
+    texts += [len(line) for line in definitions(plan, str(plan.graph.file))]
+    return sum(text + DEFINITION_BYTES for text in texts)
 
 
 def _record_bytes(plan: Plan, task: Recorded, rates: Rates) -> Fraction:

@@ -163,8 +163,13 @@ def times_of(arguments: argparse.Namespace) -> list[str]:
 
 
 def recording_of(arguments: argparse.Namespace) -> dict[str, str]:
-    """The CMake variables of a recorded flight."""
-    return RECORDING if is_recorded(arguments) else {}
+    """The CMake variables of a recorded flight. Raises `UserError` if its logger is too slow."""
+    from stator.emit.recording import check_recording_rate
+
+    if not is_recorded(arguments):
+        return {}
+    check_recording_rate(make_plan(str(arguments.graph), arguments.board))
+    return RECORDING
 
 
 def is_recorded(arguments: argparse.Namespace) -> bool:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from stator.collector import without_collector
 from stator.diagnostics import Report
 from stator.language.keys import MAX_LEVELS, MAX_TASKS_OF_THREAD
+from stator.plan.log_rate import check_log_rate
 from stator.plan.rates import Rates
 from stator.plan.topics import TopicPlan, plan_topics
 from stator.quantities import shown
@@ -84,6 +85,7 @@ def plan(graph: Graph, board: Board) -> Plan:
     if board.executor == "pthread":
         _check_level_sizes(tasks, board, report)
     topics = plan_topics(graph, levels, rates, report)
+    check_log_rate(graph, topics, rates, report)
     report.stop_on_errors()
     derived = any(node.priority is None for node in graph.nodes.values())
     return Plan(graph, board, tasks, topics, derived, replanned)
