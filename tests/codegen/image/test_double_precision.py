@@ -19,7 +19,7 @@ SUMS = """#pragma once
 #include "sums_ports.hpp"
 #include "stator/scalar.hpp"
 
-namespace stator {
+namespace stator::apps::sums {
 
 class Sums {
   public:
@@ -33,13 +33,13 @@ class Sums {
     double sum_ = math::cos(0.5);
 };
 
-}  // namespace stator
+}  // namespace stator::apps::sums
 """
 ANGLES = """#pragma once
 #include "angles_ports.hpp"
 #include "stator/scalar.hpp"
 
-namespace stator {
+namespace stator::apps::angles {
 
 class Angles {
   public:
@@ -52,7 +52,7 @@ class Angles {
     double half_ = math::cos(1.0);
 };
 
-}  // namespace stator
+}  // namespace stator::apps::angles
 """
 GRAPH = """board: qemu_f405
 nodes:
@@ -98,11 +98,11 @@ def test_it_is_refused_with_function_and_node_until_an_interface_says_why(
         "double is precise enough, write `double_precision: WHY` in apps/sums/sums.yaml"
     )
     assert capsys.readouterr().err.splitlines() == [
-        f"apps/sums/sums.hpp:11: error: stator::Sums::step of node 'left' calls __aeabi_d2uiz: "
-        f"{why}",
+        f"apps/sums/sums.hpp:11: error: stator::apps::sums::Sums::step of node 'left' calls "
+        f"__aeabi_d2uiz: {why}",
         hint,
-        f"apps/sums/sums.hpp:15: error: stator::Sums::plus_a_third of node 'left' calls "
-        f"__aeabi_dadd, __aeabi_ddiv, __aeabi_f2d: {why}",
+        "apps/sums/sums.hpp:15: error: stator::apps::sums::Sums::plus_a_third of node 'left' "
+        f"calls __aeabi_dadd, __aeabi_ddiv, __aeabi_f2d: {why}",
         hint,
     ]
 

@@ -1,0 +1,68 @@
+"""Whether a recording fits what the logger can write is known before the flight."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from stator.diagnostics import UserError
+from stator.emit.recording import check_recording_rate, stream_bytes
+from stator.pipeline import make_plan
+from stator.plan.plan import Plan
+
+TOPICS = 230
+
+
+def planned(folder: Path, period: str) -> Plan:
+    """A graph with 230 topics at 100 Hz."""
+    (folder / "messages").mkdir()
+    (folder / "messages" / "Count.yaml").write_text(
+        "doc: A number.\nfields: {value: {type: uint32, doc: It.}}\n"
+    )
+    (folder / "apps" / "tick").mkdir(parents=True)
+    (folder / "apps" / "tick" / "tick.yaml").write_text(
+        "doc: It counts.\noutputs: {count: {message: Count, doc: So far.}}\n"
+    )
+    nodes = "".join(
+        f"  n{i}: {{app: tick, trigger: {{every: 10 ms}}, outputs: {{count: t{i}}}}}\n"
+        for i in range(TOPICS)
+    )
+    (folder / "many.yaml").write_text(
+        f"board: sitl\nnodes:\n{nodes}"
+        f"  logger: {{trigger: {{every: {period}}}, outputs: {{block: log_block}}}}\n"
+        "  log_sink:\n    device: log_storage\n    trigger: {topic: log_block}\n"
+        "    inputs: {block: log_block}\n"
+    )
+    return make_plan(str(folder / "many.yaml"), None)
+
+
+def test_a_recording_that_the_logger_cannot_write_is_refused_with_a_period_that_can(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "slow").mkdir()
+    (tmp_path / "fast").mkdir()
+    with pytest.raises(UserError) as refused:
+        check_recording_rate(planned(tmp_path / "slow", "8 ms"))
+    text = str(refused.value)
+    assert "many.yaml:233:29: error: with the recording, the log takes up to 8" in text
+    assert "--no-record flies without the recording" in text
+    hinted = re.search(r"hint: write `every: (\d+ ms)`", text)
+    assert hinted is not None
+    check_recording_rate(planned(tmp_path / "fast", hinted[1]))
+
+
+def test_streams_hold_what_waits_for_the_definitions(tmp_path: Path) -> None:
+    """At 6 ms the logger writes the definitions for some 40 ms, and then catches up."""
+    plan = planned(tmp_path, "6 ms")
+    ticks = plan.task("n0").level
+    record_bytes = 8 + 2 + 4  # its head, and the tag, the number and the CRC of one output
+    assert stream_bytes(plan)[ticks] > TOPICS * record_bytes * 100e-3 / 10e-3
+
+
+def test_the_storage_has_a_record_for_each_block(tmp_path: Path) -> None:
+    """Of which the logger publishes several at once: about 800 a second, not one each 5 ms."""
+    plan = planned(tmp_path, "5 ms")
+    stored = plan.task("log_sink").level
+    assert stream_bytes(plan)[stored] >= 1024
