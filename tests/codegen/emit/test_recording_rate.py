@@ -54,11 +54,11 @@ def test_a_recording_that_the_logger_cannot_write_is_refused_with_a_period_that_
 
 
 def test_streams_hold_what_waits_for_the_definitions(tmp_path: Path) -> None:
-    """At 6 ms the logger writes the definitions for some 40 ms, and then catches up."""
+    """At 6 ms the logger needs some 40 ms for the definitions, then more than 80 ms to catch up."""
     plan = planned(tmp_path, "6 ms")
     ticks = plan.task("n0").level
     record_bytes = 8 + 2 + 4  # its head, and the tag, the number and the CRC of one output
-    assert stream_bytes(plan)[ticks] > TOPICS * record_bytes * 100e-3 / 10e-3
+    assert stream_bytes(plan)[ticks] > TOPICS * record_bytes * 120e-3 / 10e-3
 
 
 def test_the_storage_has_a_record_for_each_block(tmp_path: Path) -> None:
