@@ -34,7 +34,7 @@ FILES = {
     "apps/ramp/ramp.yaml": "doc: Counts.\noutputs: {value: {message: Value, doc: It.}}\n",
     "apps/ramp/ramp.hpp": """#pragma once
 #include "ramp_ports.hpp"
-namespace stator::ramp {
+namespace stator::apps::ramp {
 float after(float value);
 struct Ramp {
     float next_ = 0.0F;
@@ -43,12 +43,12 @@ struct Ramp {
         ports.value.publish([&] { return Value{.value = next_}; });
     }
 };
-}  // namespace stator::ramp
+}  // namespace stator::apps::ramp
 """,
     "apps/ramp/ramp.cpp": """#include "ramp.hpp"
-namespace stator::ramp {
+namespace stator::apps::ramp {
 float after(float value) { return value + 1.0F; }
-}  // namespace stator::ramp
+}  // namespace stator::apps::ramp
 """,
 }
 # Each of these once changed what is built, or broke it.
