@@ -1,5 +1,6 @@
-"""A name is defined in one way in the whole program: gcc looks at it as one unit (STATOR_ODR). Images
-for bare metal are linked so anyway, with the same error."""
+"""A name is defined in one way in the whole program: gcc looks at it as one unit (STATOR_ODR).
+
+Images for bare metal are linked so anyway, with the same error."""
 
 from __future__ import annotations
 
