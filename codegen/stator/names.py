@@ -3,6 +3,8 @@
 # ruff: noqa: SIM905 - a list of words reads best as text
 from __future__ import annotations
 
+from stator.macros import MACROS
+
 _CPP_KEYWORDS = frozenset(
     """alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t
     char32_t class compl concept const consteval constexpr constinit const_cast continue co_await
@@ -13,7 +15,6 @@ _CPP_KEYWORDS = frozenset(
     throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t while
     xor xor_eq final override import module typeof""".split()
 )
-_MACROS = frozenset("errno assert stdin stdout stderr linux unix i386 offsetof".split())
 _RUNTIME = frozenset("std stator now fired params timestamp main step".split())
 # Namespaces and functions that generated code names without qualification beside nodes and topics,
 # its own header files, and CMake targets.
@@ -46,7 +47,7 @@ def reserved_reason(name: str, what: str = "") -> str:
         return ""  # never a name in C++
     if name in _CPP_KEYWORDS:
         return "it is a C++ keyword"
-    if name in _MACROS:
+    if name in MACROS or upper_camel(name) in MACROS:  # a class, or the type of a field
         return "the C library uses this name"
     if name.endswith("_t"):
         return "names that end in _t are reserved for the C library"
@@ -70,8 +71,11 @@ def _is_variable(name: str, what: str) -> bool:
     return what == "an input" and name.startswith("every_") and name[6:].isdigit()
 
 
-def is_reserved_type(name: str) -> bool:
-    return name in _TYPES
+def reserved_type_reason(name: str) -> str:
+    """Why a message or a class cannot have this name; empty if it can."""
+    if name in MACROS:
+        return "the C library uses this name"
+    return "the runtime uses this name" if name in _TYPES else ""
 
 
 def upper_camel(name: str) -> str:

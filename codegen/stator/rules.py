@@ -39,6 +39,8 @@ RULES = {
     "message-unknown": "unknown message",
     "device-unknown": "the board does not have this device",
     "device-twice": "two nodes own the same device",
+    "message-replaced": "a message does not fit code of Stator that uses the one it replaces",
+    "class-replaced": "a device class does not fit drivers of Stator that use the one it replaces",
     "class-mismatch": "a device has another class than expected",
     "chip-missing": "a cortex_m board names no chip",
     "vector-unknown": "unknown vector or pin",

@@ -8,7 +8,7 @@ PACKAGE = Path(__file__).resolve().parents[2] / "codegen" / "stator"
 # From the ground up. Modules of the ground are not in a room, and may import each other without a
 # circle, as modules of one room may.
 GROUND = (
-    *("", "rules", "diagnostics", "names", "quantities", "collector", "arguments"),
+    *("", "rules", "diagnostics", "names", "macros", "quantities", "collector", "arguments"),
     *("version", "lock", "processes"),
 )
 ROOMS = (

@@ -13,7 +13,7 @@ from stator import HOME
 from stator.arguments import path
 from stator.diagnostics import UserError, in_place, shown_argument, shown_path
 from stator.language.shapes import NAME_HINT, NAME_PATTERN
-from stator.names import is_reserved_type, reserved_reason, upper_camel
+from stator.names import reserved_reason, reserved_type_reason, upper_camel
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -61,10 +61,10 @@ def _check_name(name: str, what: str) -> None:
     """Raises `UserError` for a name that the compiler would refuse."""
     if not re.fullmatch(NAME_PATTERN, name):
         raise UserError(f"error: expected a name, found '{name}'\nhint: {NAME_HINT}")
-    reason = reserved_reason(name, what)
-    if reason or (what and is_reserved_type(upper_camel(name))):
+    reason = reserved_reason(name, what) or (what and reserved_type_reason(upper_camel(name)))
+    if reason:
         raise UserError(
-            f"error: '{name}' cannot be a name: {reason or 'the runtime uses this name'}"
+            f"error: '{name}' cannot be a name: {reason}"
             "\nhint: choose another name, for example tilt_watch"
         )
 

@@ -14,6 +14,7 @@ from stator.graph.boards import find_board
 from stator.graph.checks.names import check_generated_names
 from stator.graph.checks.nodes import read_nodes
 from stator.graph.checks.parts import read_chains, read_modes
+from stator.graph.checks.replaced import check_replaced
 from stator.graph.checks.topics import connect
 from stator.graph.model import Board, Graph
 from stator.graph.sources import Sources
@@ -62,6 +63,7 @@ def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
     chains = read_chains(record, nodes, report)
     if board is not None:
         check_generated_names(nodes.good, topics, board, report)
+        check_replaced(nodes.good.values(), board, sources, report)
     report.stop_on_errors()
     assert own is not None
     assert board is not None

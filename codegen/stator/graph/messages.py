@@ -11,7 +11,7 @@ from stator.graph.model import TYPES, Field, Message
 from stator.graph.sources import Sources
 from stator.language import keys as language
 from stator.language.shapes import Record, quoted
-from stator.names import is_reserved_type, upper_camel
+from stator.names import reserved_type_reason, upper_camel
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,11 +24,12 @@ def read_message(sources: Sources, name: str, path: Path) -> Message | None:
     report = sources.report
     record = sources.read(path, language.MESSAGE)
     mark = Mark(path, 1, 1)
-    if is_reserved_type(name):
+    reason = reserved_type_reason(name)
+    if reason:
         report.error(
             mark,
             "reserved-name",
-            f"'{name}' cannot be a message name: the runtime uses this name",
+            f"'{name}' cannot be a message name: {reason}",
             f"rename the file, for example to {name}Sample.yaml",
         )
         return None

@@ -1,4 +1,4 @@
-"""A name is defined in one way in the whole program: gcc checks it as one unit (STATOR_ODR). Images
+"""A name has one definition in the whole program: gcc checks it as one unit (STATOR_ODR). Images
 for bare metal are linked in this way anyway, with the same error."""
 
 from __future__ import annotations
