@@ -111,10 +111,10 @@ def test_a_graph_whose_devices_have_no_driver_is_refused(
 ) -> None:
     needs_toolchain()
     assert cli.main(["flash", str(HOME / "graph" / "quad.yaml"), "--board", "fmu_v2"]) == 2
-    assert capsys.readouterr().err.startswith(
+    assert (
         "error: cannot flash this image: board fmu_v2 has no driver for imu0, mocap0, motors, "
         "log_storage\n"
-    )
+    ) in capsys.readouterr().err
 
 
 def test_a_board_that_is_nothing_to_flash(capsys: pytest.CaptureFixture[str]) -> None:

@@ -58,9 +58,9 @@ def fly_many(mission: str, seeds: range, folder: Path, *options: str) -> dict[in
     ("arguments", "message"),
     [
         (["--mission", "none.yaml"], "cannot read the mission 'none.yaml'"),
-        (["graph/quad.yaml", "--mission", "graph/missions/eight.yaml"], "no node that takes a"),
+        (["graph/quad.yaml", "--mission", "graph/missions/eight.yaml"], "missing node of app 'mission' in"),
         (["--mission", "graph/quad.yaml"], "unknown key 'nodes'"),
-        (["--mission", "graph/missions/eight.yaml", "--speed", "0"], "'0' is no factor above 0"),
+        (["--mission", "graph/missions/eight.yaml", "--speed", "0"], "expected a factor above 0"),
     ],
 )
 def test_wrong_arguments(arguments: list[str], message: str) -> None:

@@ -164,7 +164,7 @@ def test_a_changed_parameter_is_named_and_the_recorded_one_is_used(
         tmp_path,
         "changed_parameter",
         (MIXED.name, "params: {stride: 10}", "params: {stride: 11}"),
-        ("apps/smooth/smooth.hpp", "kGain = 0.125f", "kGain = 0.25f"),
+        ("apps/smooth/smooth.hpp", "kGain = 0.125F", "kGain = 0.25F"),
     )
     replayed = replay(capsys, mixed, "--graph", str(graph))
     found = replayed["first_difference"]
