@@ -1,5 +1,6 @@
 # Flags of every target: strict warnings, and floating point with the same bits on every machine.
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+# Not by way of PATH, or of a registry in the home folder: neither is part of the build's key.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE NO_SYSTEM_ENVIRONMENT_PATH NO_CMAKE_PACKAGE_REGISTRY)
 
 add_library(stator_flags INTERFACE)
 target_compile_options(stator_flags INTERFACE

@@ -24,7 +24,7 @@ FIXED = {"LC_ALL": "C.UTF-8"}
 
 
 def environment() -> dict[str, str]:
-    """Of a process that builds or tests."""
+    """The environment of a process that builds or tests."""
     passed = {
         name: value
         for name, value in os.environ.items()
@@ -45,5 +45,10 @@ def run(command: Sequence[str | Path], **options: Any) -> subprocess.CompletedPr
 
 
 def _ending_with_parent() -> list[str]:
+    """What a command begins with for that. The shell ends it if the parent was killed before the
+    system was asked for the signal."""
     setpriv = shutil.which("setpriv")
-    return [] if setpriv is None else [setpriv, "--pdeathsig", "TERM", "--"]
+    if setpriv is None:
+        return []
+    check = 'test "$PPID" = "$0" && exec "$@"'
+    return [setpriv, "--pdeathsig", "TERM", "--", "sh", "-c", check, str(os.getpid())]

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from stator import HOME
 from stator.bench.figure import Figure, google_benchmark
 from stator.build.cmake import configure
+from stator.processes import environment, start
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -104,7 +105,8 @@ def _programs() -> dict[str, Path]:
             continue
         program = FOLDER / f"{peer.source}_handover"
         source = SOURCES / "peers" / f"{peer.source}_handover.cpp"
-        subprocess.run(["g++", "-O2", source, "-o", program, *peer.flags.split()], check=True)
+        command = ["g++", "-O2", str(source), "-o", str(program), *peer.flags.split()]
+        subprocess.run(command, env=environment(), check=True)
         programs[peer.name] = program
     return programs
 
@@ -122,9 +124,7 @@ def _daemons(programs: dict[str, Path]) -> Iterator[None]:
             if not peer.daemon or peer.name not in programs:
                 continue
             quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-            daemon = daemons.enter_context(
-                subprocess.Popen(peer.daemon, **quiet)  # type: ignore[call-overload]
-            )
+            daemon = daemons.enter_context(start(peer.daemon, **quiet))
             daemons.callback(daemon.terminate)
         yield
 
@@ -321,8 +321,8 @@ def _some(program: Path, *options: str) -> list[Rows]:
 
 @contextlib.contextmanager
 def _load() -> Iterator[None]:
-    spin = [sys.executable, "-c", "while True: pass"]
-    busy = [subprocess.Popen(spin) for _ in range(os.cpu_count() or 1)]
+    spin = [sys.executable, "-I", "-c", "while True: pass"]
+    busy = [start(spin) for _ in range(os.cpu_count() or 1)]
     try:
         yield
     finally:

@@ -13,6 +13,7 @@ from stator.build.px4_file import write_px4
 from stator.diagnostics import BuildFailed
 from stator.pipeline import make_buildable_plan
 from stator.plan.hash import graph_hash
+from stator.processes import environment
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,7 +35,11 @@ def build_image(graph: Path, board: str | None, variant: Mapping[str, str] | Non
 def total_of(image: Path) -> tuple[int, int]:
     """Bytes of flash and RAM, without the stack."""
     lines = subprocess.run(
-        [TOOLS + "size", "-A", image], check=True, capture_output=True, text=True
+        [TOOLS + "size", "-A", image],
+        env=environment(),
+        check=True,
+        capture_output=True,
+        text=True,
     ).stdout.splitlines()
     size = {line.split()[0]: int(line.split()[1]) for line in lines if line.startswith(".")}
     return size[".text"] + size[".data"], size[".data"] + size[".bss"]
@@ -55,7 +60,8 @@ def image_files(plan: Plan, image: Path) -> dict[str, Path]:
 
 def _convert(image: Path, kind: str, suffix: str) -> Path:
     result = image.with_suffix(suffix)
-    subprocess.run([TOOLS + "objcopy", "-O", kind, image, result], check=True)
+    command = [TOOLS + "objcopy", "-O", kind, str(image), str(result)]
+    subprocess.run(command, env=environment(), check=True)
     return result
 
 
@@ -101,7 +107,10 @@ def sizes_of(image: Path) -> dict[str, tuple[int, int]]:
 
 def _symbols(image: Path) -> list[str]:
     command = [TOOLS + "nm", "-S", "-l", "-C", "--defined-only", str(image)]
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
+    finished = subprocess.run(
+        command, env=environment(), check=True, capture_output=True, text=True
+    )
+    return finished.stdout.splitlines()
 
 
 def _part(name: str, file: str) -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
+from stator.processes import environment
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
@@ -144,7 +145,12 @@ class Calls:
         text = "\n".join(map(hex, wanted))
         command = [TOOLS + "addr2line", "-a", "-i", "-f", "-C", "-e", str(self._image)]
         lines = subprocess.run(
-            command, input=text, check=True, capture_output=True, text=True
+            command,
+            input=text,
+            env=environment(),
+            check=True,
+            capture_output=True,
+            text=True,
         ).stdout.splitlines()
         frames: list[Frame] = []
         rows = iter(lines)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from stator.build.image_calls import BEFORE_START, FUNCTION, Calls, Place
 from stator.diagnostics import shown_path
+from stator.processes import environment
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -221,5 +222,9 @@ def _longest_section(body: str) -> int:
 
 def _run(tool: str, *arguments: str) -> str:
     return subprocess.run(
-        [TOOLS + tool, *arguments], check=True, capture_output=True, text=True
+        [TOOLS + tool, *arguments],
+        env=environment(),
+        check=True,
+        capture_output=True,
+        text=True,
     ).stdout

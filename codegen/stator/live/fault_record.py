@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stator.build.cpp_source import constant, layout
 from stator.plan.hash import graph_hash
+from stator.processes import environment
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -201,6 +202,6 @@ def _function(image: Path | None, address: int) -> str:
     if image is None or address == 0:
         return ""
     command = ["arm-none-eabi-addr2line", "-f", "-C", "-e", str(image), hex(address)]
-    found = subprocess.run(command, check=False, capture_output=True, text=True)
+    found = subprocess.run(command, env=environment(), check=False, capture_output=True, text=True)
     name = found.stdout.splitlines()[:1]
     return "" if not name or name[0] == "??" else name[0]
