@@ -58,7 +58,10 @@ def fly_many(mission: str, seeds: range, folder: Path, *options: str) -> dict[in
     ("arguments", "message"),
     [
         (["--mission", "none.yaml"], "cannot read the mission 'none.yaml'"),
-        (["graph/quad.yaml", "--mission", "graph/missions/eight.yaml"], "missing node of app 'mission' in"),
+        (
+            ["graph/quad.yaml", "--mission", "graph/missions/eight.yaml"],
+            "missing node of app 'mission' in",
+        ),
         (["--mission", "graph/quad.yaml"], "unknown key 'nodes'"),
         (["--mission", "graph/missions/eight.yaml", "--speed", "0"], "expected a factor above 0"),
     ],
