@@ -92,8 +92,13 @@ def test_a_run_of_threads_with_changes_replays_equal(
     cli.main(["run", str(TUNED), *words, "--json"])
     facts = json.loads(capsys.readouterr().out)
     check_changes(ULog(str(log)), 2.0)
-    assert facts["unrecorded_activations"] == 0
-    check_replayed(replay(capsys, log))
+    replayed = replay(capsys, log)
+    if facts[
+        "unrecorded_activations"
+    ]:  # the machine was too busy: the recording says where it ends
+        assert (replayed["ends_early"], replayed["different_samples"]) == (True, 0)
+    else:
+        check_replayed(replayed)
 
 
 @pytest.mark.long

@@ -153,7 +153,7 @@ def run_pytest(
     command += [f"--junitxml={report}"]
     command += ["-m", "long or not long" if long else "not long", *arguments]
     if not arguments:  # everything: files of tests run side by side
-        command += ["-n", str(os.cpu_count() or 1), "--dist", "loadfile"]
+        command += ["-n", str(os.cpu_count() or 1), "--dist", "loadfile", "--no-loadscope-reorder"]
     print("Python tests: pytest", flush=True)
     finished = subprocess.run(
         command, stdin=subprocess.DEVNULL, cwd=HOME, env=environment, check=False

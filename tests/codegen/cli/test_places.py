@@ -108,13 +108,12 @@ def test_a_project_in_a_folder_with_an_odd_name(tmp_path: Path) -> None:
     assert "\nCMAKE_CXX_FLAGS:STRING=\n" in cache.read_text(encoding="utf-8")
 
     line = next(line for line in flown.stdout.splitlines() if " replay " in line)
-    following = shlex.split(line.removeprefix("  next").partition(" repeats it")[0])
-    program = following[0] if following[0] != "next" else following[1]
-    assert program == str(HOME / "stator")
+    following = shlex.split(line.partition("bit for bit: ")[2])
+    assert following[0] == str(HOME / "stator")
     replayed = stator(*following[following.index("replay") :], folder=other)
     assert (replayed.returncode, replayed.stdout.splitlines()[0]) == (
         0,
-        "ramp_alone of sitl, replayed: equal",
+        "replay of ramp_alone on sitl: equal",
     ), replayed.stderr
 
 

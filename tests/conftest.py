@@ -1,0 +1,13 @@
+"""Order of the tests: what takes long by itself comes first, and so is not left for the end."""
+
+import pytest
+
+FIRST = ("flight/can_bus", "drivers/can", "codegen/replay", "flight/", "codegen/image")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    def rank(item: pytest.Item) -> int:
+        places = [i for i, folder in enumerate(FIRST) if f"tests/{folder}" in item.path.as_posix()]
+        return places[0] if places else len(FIRST)
+
+    items.sort(key=rank)
