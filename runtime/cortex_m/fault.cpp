@@ -1,5 +1,5 @@
 // The end of a run: faults, vectors that nobody uses, the watchdog, what cannot happen, and a
-// restart that somebody asked for. All put the motors into their defined state and reset, and all
+// restart that was requested. All put the motors into their defined state and reset, and all
 // but the last leave a record.
 #include <cstddef>
 #include <cstring>

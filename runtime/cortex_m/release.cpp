@@ -10,7 +10,7 @@ namespace {
 constexpr uint64_t kLongestSleep_us = 50'000;
 
 // Half periods of the 32-bit timer that have passed. Its lowest bit repeats the timer's highest
-// one, so that a reader sees whether this word lags behind the timer, whoever preempts it.
+// one, so that a reader sees whether this word lags behind the timer, whatever preempts it.
 Shared<uint32_t> half_periods;
 
 }  // namespace

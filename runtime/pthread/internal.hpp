@@ -58,7 +58,7 @@ TaskCounters figures_of(unsigned task);
 
 // --- link.cpp: of the thread that waits for the end ---
 
-// What to wait for until somebody wants something of the link; -1: nothing, or not yet.
+// What to wait for until a request comes on the link; -1: nothing, or not yet.
 int link_events(uint64_t now_us);
 // When the link may be looked at again, if that is not now.
 uint64_t next_link_turn_us(uint64_t now_us);

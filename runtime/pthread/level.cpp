@@ -45,7 +45,7 @@ timespec machine_time(uint64_t time_us) {
             .tv_nsec = static_cast<long>(time_ns % kSecond_ns)};
 }
 
-// Until the word is no longer `value`, somebody wakes it, or the clock says `end_us`.
+// Until the word is no longer `value`, another thread wakes it, or the clock says `end_us`.
 void futex_wait(std::atomic<uint32_t>& word, uint32_t value, uint64_t end_us) {
     timespec end{};
     if (end_us != kNever) end = machine_time(end_us);
@@ -157,8 +157,8 @@ void LevelThread::run_task(unsigned index) {
     running_.store(nullptr, std::memory_order_relaxed);
 }
 
-// The word goes to 0 only if nothing but kAwake is set; whoever sets a bit from then on finds 0 and
-// wakes this thread, which the kernel keeps asleep only while the word is 0.
+// The word goes to 0 only if nothing but kAwake is set; a thread that sets a bit from then on finds
+// 0 and wakes this thread, which the kernel keeps asleep only while the word is 0.
 void LevelThread::sleep(uint64_t until_us) {
     sleeps_.fetch_add(1);
     uint32_t awake = kAwake;

@@ -77,7 +77,7 @@ Replay::Level* Replay::earliest() {
 
 void Replay::run_head(Level& level) {
     const uint32_t task = level.tasks[level.next++];
-    // It may have run already, as somebody needed what it published.
+    // It may have run already, as another task needed what it published.
     if (tasks_[task].next == level.seen[task]++) run_next(task);
 }
 

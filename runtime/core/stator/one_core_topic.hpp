@@ -3,7 +3,7 @@
 //
 // Jobs run to completion on one stack and nest like brackets, so one word says which slots are
 // free: a reader saves the word and clears the bit of the slot it takes, and restores the word when
-// it is done; whoever preempts in between puts back what it found. Publishing finds a free slot
+// it is done; a job that preempts in between puts back what it found. Publishing finds a free slot
 // with one load and one count-leading-zeros, whatever the number of readers. Safety rests on no
 // timing. docs/topics.md has the argument and the slot formula; the explorer in tests/runtime/core
 // runs this code under every preemption schedule of small topologies.

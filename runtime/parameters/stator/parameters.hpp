@@ -1,5 +1,5 @@
-// The generated table of all parameters of a graph. Nodes read theirs as a message; whoever changes
-// and logs them handles those of all nodes alike, as bytes.
+// The generated table of all parameters of a graph. Nodes read theirs as a message; the node that
+// changes and logs them handles those of all nodes alike, as bytes.
 #pragma once
 
 #include <bit>

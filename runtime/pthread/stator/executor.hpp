@@ -16,8 +16,8 @@ struct Pend {
 inline constexpr unsigned kMaxLevels = 15;
 inline constexpr unsigned kMaxTasksOfLevel = 30;
 inline constexpr uint32_t kTaskBits = (1U << kMaxTasksOfLevel) - 1;
-// The level runs: whoever pends it need not wake it. A word of 0 means that it sleeps, or is about
-// to, and that the next one to set a bit wakes it.
+// The level runs: a thread that pends it need not wake it. A word of 0 means that it sleeps, or is
+// about to, and that the next one to set a bit wakes it.
 inline constexpr uint32_t kAwake = 1U << 30;
 inline constexpr uint32_t kStop = 1U << 31;
 

@@ -128,9 +128,9 @@ inline uint32_t number_of(const Topic&, const Pin& pin) {
     return pin.number;
 }
 
-// Counts the reader in. Acquire: the sample is whole. Release: whoever sees this reader in the
-// entry also sees that its earlier pins are done; with acquire alone a publisher may find no free
-// slot (never on x86, and no sanitizer shows it).
+// Counts the reader in. Acquire: the sample is whole. Release: a thread that sees this reader in
+// the entry also sees that its earlier pins are done; with acquire alone a publisher may find no
+// free slot (never on x86, and no sanitizer shows it).
 inline void pin_entry(const Topic& topic, uint32_t sequence, Pin& pin) {
     std::atomic<uint64_t>& word = topic.ring[sequence & (topic.depth - 1U)].word;
     const uint64_t entry = word.fetch_add(kOneReader, std::memory_order_acq_rel);

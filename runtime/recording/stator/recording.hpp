@@ -62,7 +62,7 @@ class RecordStream {
         lost_.store(lost + 1, std::memory_order_release);
     }
 
-    // Around `step`: who is in its node, and how often somebody came in between.
+    // Around `step`: who is in its node, and how often another job came in between.
     void enter() {
         outer_ = inside.load(std::memory_order_relaxed);
         inside.store(this, std::memory_order_relaxed);

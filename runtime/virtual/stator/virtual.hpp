@@ -65,9 +65,9 @@ struct RandomTimes {
 };
 void use_random_times(const RandomTimes& times);
 
-// Activations take the budgets of their tasks, in the order of `program.tasks`, and whoever is due
-// meanwhile preempts them at that very time (`--times budget`). The time passes in equal parts at
-// as many preemption points as the activation before had, and what is left at its end.
+// Activations take the budgets of their tasks, in the order of `program.tasks`, and a task that is
+// due meanwhile preempts them at that very time (`--times budget`). The time passes in equal parts
+// at as many preemption points as the activation before had, and what is left at its end.
 void use_budgets(std::span<const uint32_t> budgets_us);
 
 // Connects the graph to the board and publishes the parameters, at time 0.
