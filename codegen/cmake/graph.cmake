@@ -95,6 +95,9 @@ function(stator_add_graph_parts target graph board)
         list(APPEND ports "${own_ports}")
     endforeach()
     list(REMOVE_DUPLICATES ports)
+    if(NOT STATOR_WALLS)  # a test's node may use another's classes, and so its ports
+        target_include_directories(${target}_interfaces INTERFACE ${ports})
+    endif()
 
     list(TRANSFORM graph_sources PREPEND "${folder}/")
     add_library(${target}_generated OBJECT ${graph_sources})
