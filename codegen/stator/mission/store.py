@@ -14,6 +14,7 @@ from stator.mission.commands import (
     CIRCLE_OUT,
     GLOBAL,
     LOCAL,
+    NO_PLACE,
     POLYGON_IN,
     POLYGON_OUT,
     RALLY_POINT,
@@ -31,7 +32,7 @@ _ITEM, _HEAD = layout(_FILE, "StoredItem"), layout(_FILE, "StoredHead")
 _MAGIC = int(constant(_FILE, "kMagic"))
 _HEAD_BYTES = int(constant(_FILE, "kHeadBytes"))
 _CAPACITY = (MAX_ITEMS, MAX_FENCE_ITEMS, MAX_RALLY_POINTS)
-_NO_PLACE = 2**31 - 1
+_NOWHERE = 2**31 - 1  # kNoPlace
 _AREAS = 2  # of each list: the one that counts, and the one that the next list is written into
 
 
@@ -81,10 +82,15 @@ def rally_items(mission: Mission) -> list[Item]:
     return [Item(RALLY_POINT, RELATIVE, none, *point) for point in mission.rally]
 
 
+def _whole(value: float) -> int:
+    """The nearest one that fits."""
+    return _NOWHERE if math.isnan(value) else round(max(-_NOWHERE, min(_NOWHERE - 1, value)))
+
+
 def _packed(item: Item) -> bytes:
     is_local = item.frame == LOCAL
-    unit = 1e4 if is_local else 1e7
-    x, y = (_NO_PLACE if math.isnan(v) else round(v * unit) for v in (item.x, item.y))
+    unit = {LOCAL: 1e4, NO_PLACE: 1.0}.get(item.frame, 1e7)
+    x, y = (_whole(v * unit) for v in (item.x, item.y))
     z = -item.z if is_local else item.z
     head = (item.command, item.frame, int(item.autocontinue))
     return _ITEM.packed.pack(*head, *item.params, x, y, z)
