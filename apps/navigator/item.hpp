@@ -104,6 +104,7 @@ class PlaceFrame {
 
     const math::Vector3<float>& home_N() const { return home_N_; }
     bool knows_earth() const { return knows_earth_; }
+    bool knows_sea() const { return knows_sea_; }
     // In N; not a number while it is not known. An item without a place has that of `before`.
     math::Vector3<float> place(const RawItem& item, const math::Vector3<float>& before) const;
 

@@ -43,6 +43,10 @@ void Navigator::advance_mission(const NavigatorPorts& ports, float dt) {
         if (!is_at_place()) return;
         phase_ = 2;
         in_phase_s_ = 0.0F;
+        // One that lasts counts when it is reached, the others when they are over.
+        if (sequence_.item().kind == ItemKind::kLoiterUnlimited) {
+            reached_ = static_cast<int>(sequence_.current());
+        }
         begin_figure(sequence_.item());
     }
     look();

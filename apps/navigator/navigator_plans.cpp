@@ -18,8 +18,10 @@ FenceLimits Navigator::usual_fence(const NavigatorPorts& ports) const {
     return {.radius = ports.params->fence_radius, .height = ports.params->fence_height};
 }
 
-// A place on Earth waits for the frame's.
+// A place on Earth waits for the frame's, and so does a height above the sea.
 bool Navigator::can_place(const RawItem& item) const {
+    const bool is_above_sea = item.frame == Frame::kGlobal || item.frame == Frame::kGlobalInt;
+    if (is_above_sea && math::is_finite(item.z) && !frame_.knows_sea()) return false;
     return item.frame == Frame::kLocal || !has_place(item) || !is_frame_known(item.frame) ||
            frame_.knows_earth();
 }
@@ -28,6 +30,7 @@ bool Navigator::can_place(const RawItem& item) const {
 void Navigator::read_plans(const NavigatorPorts& ports) {
     if (!ports.mission || !ports.position) return;
     const Mission& mission = *ports.mission;
+    lacks_place_ = false;
     const bool is_new = mission.geofence_id != fence_id_ || mission.safe_points_id != rally_id_ ||
                         ports.position->ref_timestamp != frame_us_;
     if (is_new) {
@@ -46,7 +49,9 @@ void Navigator::read_plans(const NavigatorPorts& ports) {
 bool Navigator::read_fence(const Mission& mission) {
     while (fence_read_ < mission.geofence_count) {
         const auto raw = reader_.item(ItemReader::List::kFence, fence_id_, fence_read_);
-        if (!raw || !can_place(*raw)) return false;
+        if (!raw) return false;
+        lacks_place_ = !can_place(*raw);
+        if (lacks_place_) return false;
         ++fence_read_;
         const bool is_good = fence_.add(*raw, frame_);
         if (is_good && (fence_read_ < mission.geofence_count || fence_.is_whole())) continue;
@@ -59,7 +64,9 @@ bool Navigator::read_fence(const Mission& mission) {
 bool Navigator::read_rally_points(const Mission& mission) {
     while (rally_read_ < mission.safe_points_count && rally_read_ < kMaxRallyPoints) {
         const auto raw = reader_.item(ItemReader::List::kRally, rally_id_, rally_read_);
-        if (!raw || !can_place(*raw)) return false;
+        if (!raw) return false;
+        lacks_place_ = !can_place(*raw);
+        if (lacks_place_) return false;
         const Vector3<float> place_N = frame_.place(*raw, home_N_);
         if (!math::is_finite(place_N.sum())) fence_fault_ = Fault::kBadRallyPoint;
         rally_N_[rally_read_++] = place_N;
@@ -89,7 +96,9 @@ void Navigator::check_mission(const NavigatorPorts& ports) {
     const CheckLimits limits{.farthest = ports.params->farthest, .fence = usual_fence(ports)};
     while (check_.fault() == Fault::kNone && check_.next() < mission.count) {
         const auto raw = reader_.item(ItemReader::List::kMission, id, check_.next());
-        if (!raw || !can_place(*raw)) return;
+        if (!raw) return;
+        lacks_place_ = !can_place(*raw);
+        if (lacks_place_) return;
         check_.take(*raw, mission.count, frame_, fence_, limits);
     }
     verdict_ = check_.fault();
@@ -106,7 +115,8 @@ Navigator::Fault Navigator::fault(const NavigatorPorts& ports) const {
     if (starved_s_ > kLongestHunger_s) return Fault::kUnread;
     if (checked_id_ == ports.mission->mission_id) return verdict_;
     // In the air it is looked at before its next item is flown.
-    return is_armed_ ? Fault::kNone : Fault::kUnread;
+    if (is_armed_) return Fault::kNone;
+    return lacks_place_ ? Fault::kNoPosition : Fault::kUnread;
 }
 
 void Navigator::watch_fence(NavigatorPorts& ports) {

@@ -120,9 +120,10 @@ def _measure(
     most = limits.get("corridor")
     result.limit_each("corridor_m", away, most, "distance from the straight path", flight, flown)
     place = _landing_place(log)
-    landing = np.linalg.norm(truth[-1:, :2] - (0.0 if place is None else place), axis=1)
-    last = np.arange(len(truth)) == len(truth) - 1
-    most = limits.get("landing_error", None if place is None else USUAL_LANDING_ERROR_M)
+    last = (np.arange(len(truth)) == len(truth) - 1) & flight.landed
+    landing = np.linalg.norm(truth[last, :2] - (0.0 if place is None else place), axis=1)
+    usual = USUAL_LANDING_ERROR_M if place is not None and flight.landed else None
+    most = limits.get("landing_error", usual)
     result.limit_each("landing_error_m", landing, most, "landing error", flight, last)
     result.facts |= _errors(log, flight, setpoint + home)
 
@@ -216,7 +217,7 @@ def _why_not(log: ULog) -> str:
 def _fault(progress: dict[str, NDArray[np.generic]]) -> str:
     """Why the vehicle says that it cannot fly the mission."""
     name = FAULTS.get(int(progress["fault"][-1]), "unknown").replace("_", " ")
-    if name in ("missing", "unread", "bad fence"):
+    if name in ("missing", "unread", "no position", "bad fence"):
         return name
     return f"{name}, item {int(progress['fault_seq'][-1]) + 1} of {int(progress['seq_total'][-1])}"
 
