@@ -16,6 +16,7 @@
 #include <cstring>
 
 #include "devices.hpp"
+#include "mission_memory.hpp"
 #include "nonvolatile.hpp"
 #include "real_world.hpp"
 #include "run_options.hpp"
@@ -208,6 +209,7 @@ int main(int count, char** arguments) {
     if (!world::parse(count, arguments, options)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
     if (run.nonvolatile != nullptr && !board::open_nonvolatile(run.nonvolatile)) return 2;
+    if (options.mission != nullptr && !board::open_mission(options.mission)) return 2;
     board::RealWorld world(options.conditions, truth);
     connect(world);
     if (run.can_interface != nullptr && !connect_can(world, run)) return 2;

@@ -16,7 +16,6 @@
 
 #include "devices.hpp"
 #include "flight.hpp"
-#include "mission_file.hpp"
 #include "stator/recording.hpp"
 #include "stator/virtual.hpp"
 #include "world/flight_facts.hpp"
@@ -37,9 +36,9 @@ struct Run {
     RecordingCounts recording;
 };
 
-[[nodiscard]] bool open(const char* path, std::FILE*& file) {
+[[nodiscard]] bool open(const char* path, std::FILE*& file, const char* mode = "wb") {
     if (path == nullptr) return true;
-    file = std::fopen(path, "wb");
+    file = std::fopen(path, mode);
     if (file != nullptr) return true;
     std::fprintf(stderr, "error: cannot open '%s': %s\n", path, std::strerror(errno));
     return false;
@@ -141,9 +140,9 @@ int main(int count, char** arguments) {
     std::vector<std::uint32_t> budgets;
     if (options.budgets != nullptr && !read_budgets(options.budgets, budgets)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
-    Mission mission{};
-    if (options.mission != nullptr && !board::read_mission(options.mission, mission)) return 2;
-    board::prepare(options.conditions, options.mission != nullptr ? &mission : nullptr, truth);
+    std::FILE* mission = nullptr;
+    if (!open(options.mission, mission, "r+b")) return 2;
+    board::prepare(options.conditions, mission, truth);
     print(run(options, budgets));
     const bool log_written = close(options.log, board::log_storage.file,
                                    board::log_storage.errors == 0, board::log_storage.reason);

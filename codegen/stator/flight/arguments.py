@@ -4,22 +4,31 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
 from stator.arguments import path
 from stator.build.cmake import RECORDING
-from stator.diagnostics import UserError
+from stator.diagnostics import UserError, shown_path
+from stator.mission.read import read_mission
+from stator.mission.route import origin_of, seconds_of, walk
+from stator.mission.store import write
+from stator.mission.vehicle import vehicle_of
 from stator.pipeline import make_plan
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from stator.mission.model import Mission
     from stator.plan.plan import Plan
 
 MAX_SEED = 2**64 - 1
 MAX_DURATION_S = 1e6
 MAX_SPEED = 1e4
 USUAL_DURATION_S = 120.0
+ENDLESS_S = 600.0  # of a mission that has no end
 MAX_WIND_M_S = 50.0
 MAX_DEGREES = 360.0
 BESIDE = (".truth", ".json", ".png", ".records")  # of files that lie beside a log
@@ -27,15 +36,16 @@ BESIDE = (".truth", ".json", ".png", ".records")  # of files that lie beside a l
 
 def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str) -> None:
     """Adds the arguments that all flights share."""
-    graph = HOME / "graph" / "quad.yaml"
     parser.add_argument(
-        "graph", nargs="?", type=Path, default=graph, help="graph file (default: graph/quad.yaml)"
+        "graph",
+        nargs="?",
+        type=Path,
+        help="graph file (default: graph/quad.yaml, for a mission graph/quad_outdoor.yaml)",
     )
     parser.add_argument("--board", default=board, help=f"{what} (default: {board})")
     parser.add_argument(
         "--duration",
         type=duration_of,
-        default=USUAL_DURATION_S,
         help="longest flight in seconds (default: 120, or more for a mission)",
     )
     parser.add_argument(
@@ -47,6 +57,12 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         help="write no recording for ./stator replay: the log is smaller, and the flight faster",
     )
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    parser.add_argument(
+        "--mission",
+        type=path,
+        metavar="FILE",
+        help="mission to fly: YAML, or a ground station's .plan or waypoints (docs/missions.md)",
+    )
     _add_world_arguments(parser)
 
 
@@ -94,6 +110,54 @@ def _add_world_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="script of the pilot's sticks and switches (docs/simulation.md)",
     )
+
+
+def complete(arguments: argparse.Namespace) -> Mission | None:
+    """Fills in the defaults of the graph and the duration, and reads the mission. Raises
+    `UserError` or `Failed`."""
+    wanted = arguments.mission
+    if arguments.graph is None:
+        name = "quad.yaml" if wanted is None else "quad_outdoor.yaml"
+        arguments.graph = HOME / "graph" / name
+    if wanted is None:
+        arguments.duration = arguments.duration or USUAL_DURATION_S
+        return None
+    plan = make_plan(str(arguments.graph), arguments.board)
+    if not any(node.interface.name == "mission" for node in plan.graph.nodes.values()):
+        raise UserError(
+            f"error: missing node of app 'mission' in {shown_path(arguments.graph)}\n"
+            "hint: omit GRAPH, or include quad_outdoor.yaml in your graph"
+        )
+    vehicle = vehicle_of(plan.graph)
+    mission = read_mission(wanted, vehicle)
+    if arguments.duration is None:
+        seconds = seconds_of(mission, vehicle)
+        more = ENDLESS_S if walk(mission, vehicle).is_endless else 0.0
+        arguments.duration = max(USUAL_DURATION_S, 60.0 + 2.0 * seconds + more)
+    return mission
+
+
+@contextlib.contextmanager
+def memory_of(mission: Mission | None) -> Iterator[Path | None]:
+    """The file that is the memory of the mission device during a flight."""
+    if mission is None:
+        yield None
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "mission"
+        write(mission, file)
+        yield file
+
+
+def place_options(mission: Mission | None) -> list[str]:
+    """Options of the flight program: where on Earth the simulated world lies."""
+    origin = None if mission is None else origin_of(mission)
+    if mission is None or origin is None:
+        return []
+    places = [f"{origin[0]:.9f}", f"{origin[1]:.9f}"]
+    if mission.home is not None and mission.home.altitude is not None:
+        places.append(f"{mission.home.altitude:.3f}")
+    return ["--origin", ",".join(places)]
 
 
 def log_path(text: str) -> Path:
