@@ -30,6 +30,9 @@ class TopicPlan:
     slots: int
     ceiling: int  # the highest publishing level if several levels publish, else 0
     kept_by: tuple[str, ...]  # publishers that a reader outranks
+    # On one core its one or two slots take turns, as nobody holds one while the next but one is
+    # built: one level publishes, and every reader is of that level or above it.
+    takes_turns: bool
     log_us: int | None  # None: not logged; 0: every sample
     period_us: Fraction | None  # mean time between publications, if known
 
@@ -60,13 +63,13 @@ def _params(
     name = f"{node.name}_params"
     readers = ((node.name, "params"),)
     if publisher is None:
-        return TopicPlan(name, message, (), readers, node.name, 1, 2, 0, (), None, None)
+        return TopicPlan(name, message, (), readers, node.name, 1, 1, 0, (), True, None, None)
     by = (publisher.name,)
     config = TopicConfig(None, None, many_publishers=False, mark=None)
     topic = GraphTopic(name, message, by, (*readers, (publisher.name, "")), config)
     slots = slots_needed(topic, levels, reading, depth=1)
     kept_by = by if max(reading) > levels[publisher.name] else ()
-    return TopicPlan(name, message, by, readers, node.name, 1, slots, 0, kept_by, None, None)
+    return TopicPlan(name, message, by, readers, node.name, 1, slots, 0, kept_by, False, None, None)
 
 
 def _topic(
@@ -100,6 +103,8 @@ def _topic(
         )
     kept_by = tuple(n for n in topic.publishers if any(level > levels[n] for level in reading))
     ceiling = top if len(publishing) > 1 else 0
+    reads_own = any(name in topic.publishers for name, _ in topic.readers)
+    takes_turns = depth == 1 and ceiling == 0 and min(reading, default=top) >= top and not reads_own
     return TopicPlan(
         topic.name,
         topic.message,
@@ -110,6 +115,7 @@ def _topic(
         slots,
         ceiling,
         kept_by,
+        takes_turns,
         log_us,
         period,
     )

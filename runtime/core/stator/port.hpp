@@ -83,6 +83,14 @@ class Input {
         hold();
         is_new_ = true;
     }
+    // The same where the newest sample is the one that woke this activation, and no other could.
+    [[gnu::always_inline]] void take_woken(const Topic& topic, uint32_t& seen) {
+        topic_ = &topic;
+        marks_ = false;
+        seen_ = &seen;
+        stator::take_woken(topic, seen, pin_);
+        hold();
+    }
     // Takes the newest sample if it is at most `max_age_us` old at `now_us`. `seen` is the number
     // of the one seen before, brought up to date when the port is let go.
     [[gnu::always_inline]] void take_latest(const Topic& topic, uint32_t& seen, uint64_t now_us,
@@ -126,7 +134,7 @@ class Input {
         if (seen_ != nullptr && sample_ != nullptr) *seen_ = number();
     }
     [[gnu::always_inline]] void hold() {
-        sample_ = static_cast<const Message*>(topic_->samples) + pin_.slot;
+        sample_ = reinterpret_cast<const Message*>(sample_of(*topic_, pin_));
         if constexpr (kRecords) {
             const uint32_t number = number_of(*topic_, pin_);
             cursor_ != nullptr ? tap_.takes(number) : tap_.notes(number);
@@ -175,14 +183,14 @@ class Output {
     [[gnu::always_inline]] void publish(Make make) {
         if (topic_ == nullptr) return;
         const Loan loaned = loan(*topic_, keep_);
-        void* slot = static_cast<Message*>(topic_->samples) + loaned.slot;
+        std::byte* slot = slot_at(*topic_, loaned.slot);
         asm("" : "+r"(slot));  // one register reaches all fields: computed once
         Message* message = new (slot) Message(make());
         message->timestamp = now_us_;
         // Those whom it wakes do not wait for the record, if the sample lasts.
         const bool is_kept = is_kept_for_publisher(*topic_);
         if (!is_kept) tap_.publishes(message, sizeof(Message));
-        const uint32_t number = commit(*topic_, loaned);
+        const uint32_t number = commit(*topic_, loaned, slot);
         activate(*topic_, now_us_);
         if (is_kept) tap_.publishes(message, sizeof(Message));
         tap_.published(number);

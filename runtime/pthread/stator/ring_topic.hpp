@@ -14,6 +14,7 @@
 
 #include <atomic>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "stator/executor.hpp"
@@ -127,6 +128,16 @@ inline bool is_kept_for_publisher(const Topic&) {
 inline uint32_t number_of(const Topic&, const Pin& pin) {
     return pin.number;
 }
+inline std::byte* slot_at(const Topic& topic, uint8_t slot) {
+    return static_cast<std::byte*>(topic.samples) + size_t{slot} * topic.sample_bytes;
+}
+// The sample in a slot that the caller holds.
+inline const std::byte* sample_of(const Topic& topic, const Pin& pin) {
+    return slot_at(topic, pin.slot);
+}
+inline const std::atomic<uint32_t>& head_of(const Topic& topic) {
+    return topic.state->head;
+}
 
 // Counts the reader in. Acquire: the sample is whole. Release: a thread that sees this reader in
 // the entry also sees that its earlier pins are done; with acquire alone a publisher may find no
@@ -184,6 +195,11 @@ inline bool take_latest(const Topic& topic, uint32_t seen, Pin& pin, bool /*mark
     return true;
 }
 
+// The same for a reader that a sample has woken, so that there is one.
+inline void take_woken(const Topic& topic, uint32_t seen, Pin& pin) {
+    take_latest(topic, seen, pin);
+}
+
 // True if a sample after number `cursor` was published.
 inline bool has_unread(const Topic& topic, uint32_t cursor) {
     const uint32_t head = newest_number(topic);
@@ -230,7 +246,7 @@ inline Loan loan(const Topic& topic, bool /*keep*/) {
 // Makes the sample the newest one, and returns its number. All of it under one lock: a sequence
 // number drawn outside goes backwards, and `head` stored outside may end too low, so that the last
 // sample is never seen.
-inline uint32_t commit(const Topic& topic, Loan loaned) {
+inline uint32_t commit(const Topic& topic, Loan loaned, const std::byte* /*sample*/) {
     const Lock lock(topic.mutex);
     const uint32_t sequence = topic.state->head.load(std::memory_order_relaxed);
     std::atomic<uint64_t>& word = topic.ring[sequence & (topic.depth - 1U)].word;

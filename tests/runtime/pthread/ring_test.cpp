@@ -123,8 +123,8 @@ TEST_F(Ring, a_slot_on_loan_is_given_to_nobody_else) {
     const Loan first = loan(topic.topic, true);
     const Loan second = loan(topic.topic, true);
     EXPECT_NE(first.slot, second.slot);
-    commit(topic.topic, second);
-    commit(topic.topic, first);
+    commit(topic.topic, second, nullptr);
+    commit(topic.topic, first, nullptr);
     Pin pin;
     ASSERT_TRUE(take_latest(topic.topic, 0, pin));
     EXPECT_EQ(pin.slot, first.slot) << "the last one to commit is the newest";

@@ -44,6 +44,13 @@ unsigned Topology::ceiling() const {
     return several ? highest : 0;
 }
 
+bool Topology::takes_turns() const {
+    return depth == 1 && std::ranges::all_of(users, [this](const TopicUser& user) {
+               if (user.role.publishes()) return user.level == top() && !user.role.reads();
+               return user.level >= top();
+           });
+}
+
 bool Topology::is_read_above(unsigned level) const {
     return std::ranges::any_of(
         users, [=](const TopicUser& user) { return user.role.reads() && user.level > level; });

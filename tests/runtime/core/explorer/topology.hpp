@@ -28,6 +28,7 @@ struct Topology {
 
     std::string name() const;  // such as "1r 2w 3q depth 2"
     unsigned top() const;      // highest publishing level
+    bool takes_turns() const;  // as in the generated table
     unsigned ceiling() const;  // as in the generated table: 0 if one level publishes
     bool is_read_above(unsigned level) const;
     unsigned slots() const;          // the compiler's formula

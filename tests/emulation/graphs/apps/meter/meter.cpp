@@ -13,8 +13,12 @@ constexpr uint32_t kUncounted = 20;  // until `other` has published
 // A reading of the counter stands at each end of a way; one of them is counted.
 constexpr uint32_t kReading = 1;
 
+// What stands before it is done, and what stands behind it is not begun.
 [[gnu::always_inline]] inline uint32_t now() {
-    return counting::kCount.read();
+    asm volatile("" ::: "memory");
+    const uint32_t count = counting::kCount.read();
+    asm volatile("" ::: "memory");
+    return count;
 }
 uint32_t at(counting::Place place) {
     return counting::reached[static_cast<unsigned>(place)];
@@ -23,7 +27,7 @@ void pend(unsigned vector) {
     nvic::set_pending(vector / 32).write(1U << vector % 32);
 }
 
-void publish_by_hand(uint64_t time_us, uint32_t value) {
+[[gnu::always_inline]] inline void publish_by_hand(uint64_t time_us, uint32_t value) {
     counting::WrittenByHand& topic = counting::written_by_hand;
     const uint32_t next = topic.newest.load() ^ 1U;
     topic.slots[next] = {.timestamp = time_us,
@@ -52,6 +56,10 @@ void Meter::step(MeterPorts& ports) {
     uint32_t begin = now();
     ports.awaited.publish(block);
     note(kPublishToStep, at(Place::kStep) - begin - kReading);
+
+    begin = now();
+    ports.both.publish(block);
+    note(kPublishToStepOfBoth, at(Place::kStep) - begin - kReading);
 
     begin = now();
     ports.quiet.publish(block);

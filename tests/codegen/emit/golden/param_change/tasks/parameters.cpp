@@ -18,11 +18,9 @@ void run() {
     Activation activation(2, state.counters);
     apps::parameters::ParametersPorts ports;
     bool is_due = false;
-    ports.request.take_latest(topics::parameter_request, state.request_number, 0, kNoAgeLimit, false);
-    if (ports.request) {
-        is_due = true;
-        ports.now = ports.request->timestamp;
-    }
+    ports.request.take_woken(topics::parameter_request, state.request_number);
+    is_due = true;
+    ports.now = ports.request->timestamp;
     if (!is_due) return;  // an earlier activation has served what pended this one
     ports.value.connect(topics::parameter_value, ports.now, false);
     ports.parameters.connect(parameter_table, ports.now);
