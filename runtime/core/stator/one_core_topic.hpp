@@ -161,31 +161,31 @@ struct Topic {
 // A slot in use by a job: what to put back into `free` at its end.
 struct Pin {
     uint32_t saved_free = 0;
-    uint32_t slot = 0;
-    const std::byte* sample = nullptr;  // instead of `slot` where slots take turns, or `is_woken`
-    bool is_woken = false;              // by this sample, so that it is the newest
+    uintptr_t slot = 0;  // where slots take turns, or `is_woken`: the address of the sample
 };
 
 [[gnu::always_inline]] inline std::byte* slot_at(const Topic& topic, uint32_t slot) {
     return static_cast<std::byte*>(topic.samples) + size_t{slot} * topic.sample_bytes;
 }
-// The sample in a slot that the caller holds.
-[[gnu::always_inline]] inline const std::byte* sample_of(const Topic& topic, const Pin& pin) {
-    return topic.turns != nullptr || pin.is_woken ? pin.sample : slot_at(topic, pin.slot);
+// The sample that the caller holds. `is_woken`: taken by `take_woken`.
+[[gnu::always_inline]] inline const std::byte* sample_of(const Topic& topic, const Pin& pin,
+                                                         bool is_woken = false) {
+    if (topic.turns != nullptr || is_woken) return reinterpret_cast<const std::byte*>(pin.slot);
+    return slot_at(topic, static_cast<uint32_t>(pin.slot));
 }
 
-inline const Shared<uint32_t>& head_of(const Topic& topic) {
+[[gnu::always_inline]] inline const Shared<uint32_t>& head_of(const Topic& topic) {
     return topic.turns != nullptr ? topic.turns->head : topic.state->head;
 }
 
-// Number of the sample in a slot that the caller holds.
-inline uint32_t number_of(const Topic& topic, const Pin& pin) {
-    if (pin.is_woken) return head_of(topic).load();
+// Its number.
+[[gnu::always_inline]] inline uint32_t number_of(const Topic& topic, const Pin& pin, bool is_woken = false) {
+    if (is_woken) return head_of(topic).load();
     if (topic.turns == nullptr) return topic.number[pin.slot].load();
     const uint32_t head = topic.turns->head.load();
     if (topic.slots == 1) return head;
     // A publisher that this reader outranks may be between its two stores.
-    const uint32_t slot = pin.sample == topic.samples ? 0 : 1;
+    const uint32_t slot = sample_of(topic, pin) == topic.samples ? 0 : 1;
     return head + ((head ^ slot) & 1U);
 }
 
@@ -207,8 +207,8 @@ inline bool is_kept_for_publisher(const Topic& topic) {
 [[gnu::always_inline]] inline bool take_latest(const Topic& topic, uint32_t /*seen*/, Pin& pin,
                                                bool marks = true) {
     if (topic.turns != nullptr) {
-        pin.sample = topic.turns->newest.load();
-        return pin.sample != nullptr;
+        pin.slot = reinterpret_cast<uintptr_t>(topic.turns->newest.load());
+        return pin.slot != 0;
     }
     TopicState& state = *topic.state;
     if (marks) pin.saved_free = state.free.load();
@@ -218,7 +218,7 @@ inline bool is_kept_for_publisher(const Topic& topic) {
         const uint32_t head = state.head.load();
         mask = topic.ring[(head - 1) & (2U * topic.depth - 1)].load();
     }
-    pin.slot = static_cast<uint32_t>(std::countl_zero(mask));
+    pin.slot = static_cast<unsigned>(std::countl_zero(mask));
     if (!marks) return true;
     state.free.store(pin.saved_free & ~mask);
     return true;
@@ -227,12 +227,11 @@ inline bool is_kept_for_publisher(const Topic& topic) {
 // The same for a reader that a sample has woken, so that there is one, and that no publisher
 // outranks.
 [[gnu::always_inline]] inline void take_woken(const Topic& topic, uint32_t /*seen*/, Pin& pin) {
-    pin.is_woken = true;
-    pin.sample = topic.newest->load();
-    if (pin.sample == nullptr) __builtin_unreachable();
+    pin.slot = reinterpret_cast<uintptr_t>(topic.newest->load());
+    if (pin.slot == 0) __builtin_unreachable();
 }
 
-inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
+[[gnu::always_inline]] inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
     if (marks && topic.turns == nullptr) topic.state->free.store(pin.saved_free);
 }
 
@@ -265,7 +264,7 @@ inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
         }
         if (head - next > depth) next = head - depth;
         const uint32_t mask = topic.ring[next & (2 * depth - 1)].load();
-        pin.slot = static_cast<uint32_t>(std::countl_zero(mask));
+        pin.slot = static_cast<unsigned>(std::countl_zero(mask));
         if (!marks) break;
         state.free.store(pin.saved_free & ~mask);
     } while (state.head.load() - next > depth);
@@ -275,7 +274,7 @@ inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
 }
 
 // True if a sample after number `cursor` was published.
-inline bool has_unread(const Topic& topic, uint32_t cursor) {
+[[gnu::always_inline]] inline bool has_unread(const Topic& topic, uint32_t cursor) {
     return head_of(topic).load() != cursor;
 }
 

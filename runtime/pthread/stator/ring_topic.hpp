@@ -125,14 +125,14 @@ inline bool is_kept_for_publisher(const Topic&) {
     return false;
 }
 
-inline uint32_t number_of(const Topic&, const Pin& pin) {
+inline uint32_t number_of(const Topic&, const Pin& pin, bool /*is_woken*/ = false) {
     return pin.number;
 }
 inline std::byte* slot_at(const Topic& topic, uint8_t slot) {
     return static_cast<std::byte*>(topic.samples) + size_t{slot} * topic.sample_bytes;
 }
 // The sample in a slot that the caller holds.
-inline const std::byte* sample_of(const Topic& topic, const Pin& pin) {
+inline const std::byte* sample_of(const Topic& topic, const Pin& pin, bool /*is_woken*/ = false) {
     return slot_at(topic, pin.slot);
 }
 inline const std::atomic<uint32_t>& head_of(const Topic& topic) {
