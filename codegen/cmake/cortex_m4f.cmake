@@ -9,7 +9,7 @@ list(APPEND CMAKE_PREFIX_PATH /usr/local /usr)
 # fills a sample is inlined before, so that the ports of an activation stay in registers: image and
 # activations get smaller.
 set(CMAKE_CXX_FLAGS_INIT
-    "-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -flto=1 -flto-partition=one --param=early-inlining-insns=60 -g")
+    "-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -flto=1 -flto-partition=one --param=early-inlining-insns=200 -g")
 set(CMAKE_AR arm-none-eabi-gcc-ar)
 set(CMAKE_RANLIB arm-none-eabi-gcc-ranlib)
 # No _sbrk anywhere: whatever needs a heap does not link.

@@ -179,7 +179,8 @@ struct Pin {
 }
 
 // Its number.
-[[gnu::always_inline]] inline uint32_t number_of(const Topic& topic, const Pin& pin, bool is_woken = false) {
+[[gnu::always_inline]] inline uint32_t number_of(const Topic& topic, const Pin& pin,
+                                                 bool is_woken = false) {
     if (is_woken) return head_of(topic).load();
     if (topic.turns == nullptr) return topic.number[pin.slot].load();
     const uint32_t head = topic.turns->head.load();

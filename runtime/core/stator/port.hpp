@@ -189,13 +189,17 @@ class Output {
         asm("" : "+r"(slot));  // one register reaches all fields: computed once
         Message* message = new (slot) Message(make());
         message->timestamp = now_us_;
+        tap_.builds(message);
         // Those whom it wakes do not wait for the record, if the sample lasts.
         const bool is_kept = is_kept_for_publisher(*topic_);
-        if (!is_kept) tap_.publishes(message, sizeof(Message));
+        const uint32_t hash = is_kept ? 0 : tap_.commits(message, sizeof(Message));
         const uint32_t number = commit(*topic_, loaned, slot);
         activate(*topic_, now_us_);
-        if (is_kept) tap_.publishes(message, sizeof(Message));
-        tap_.published(number);
+        if (is_kept) {
+            tap_.published(message, sizeof(Message), number);
+        } else {
+            tap_.committed(hash, number);
+        }
     }
 
     // --- for generated wrappers ---

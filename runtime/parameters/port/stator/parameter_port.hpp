@@ -48,8 +48,9 @@ class ParameterPort {
         write_parameter(row, message, value);
         std::memcpy(message, &now_us_, sizeof now_us_);  // `timestamp` is every message's first
         Tap tap = taps_.at(row.topic);
-        tap.publishes(message, topic.sample_bytes);
-        tap.published(commit(topic, loaned, message));
+        tap.builds(message);
+        const uint32_t hash = tap.commits(message, topic.sample_bytes);
+        tap.committed(hash, commit(topic, loaned, message));
     }
 
     // --- for generated wrappers ---

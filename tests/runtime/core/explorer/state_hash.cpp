@@ -100,7 +100,9 @@ uint64_t World::state_hash() const {
     const uint32_t free = state_.free.peek();
     const uint32_t history = state_.history.peek();
     hash.add(uint64_t{free} << 32 | history);
-    hash.add(is_any() && topic_.turns != nullptr ? slot_of({.slot = reinterpret_cast<uintptr_t>(turns_.newest.peek())}) : 2);
+    hash.add(is_any() && topic_.turns != nullptr
+                 ? slot_of({.slot = reinterpret_cast<uintptr_t>(turns_.newest.peek())})
+                 : 2);
     const bool is_taking = is_any_in(Job::Phase::kTaking);
     for (unsigned slot = 0; slot < slots_; ++slot) {
         const bool is_idle = (free & ~history & slot_mask(slot)) != 0;

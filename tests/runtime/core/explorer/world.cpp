@@ -238,8 +238,9 @@ void World::check_idle() {
 uint32_t World::newest() const {
     if (topic_.turns != nullptr) {
         const uint32_t head = turns_.head.peek();
-        const bool is_ahead = is_any() && topic_.slots == 2 &&
-                              slot_of({.slot = reinterpret_cast<uintptr_t>(turns_.newest.peek())}) != (head & 1U);
+        const bool is_ahead =
+            is_any() && topic_.slots == 2 &&
+            slot_of({.slot = reinterpret_cast<uintptr_t>(turns_.newest.peek())}) != (head & 1U);
         return is_ahead ? head + 1 : head;
     }
     if (topology_.depth != 1) return state_.head.peek();
