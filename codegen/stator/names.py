@@ -35,7 +35,7 @@ _TYPES = frozenset(
     Timer TimerState Line LineState Task TaskCounters Program RandomTimes Random LogTable LogTopic
     Params Ports Fired Device SharedTime Interrupt Register Level LevelFacts Lock Mutex
     Ending PendingWord Refusal RingEntry Settings SlotState Activation ActivationRing FaultRecord
-    FrameReader KeptRecord Link LogEvent LogEvents ModeGate TickSource Transport WatchState
+    FrameReader Kept KeptRecord Link LogEvent LogEvents ModeGate TickSource Transport WatchState
     Watched ParameterPort ParameterRow ParameterRows ParameterTable ParameterTopic
     ParameterType""".split()
 )
