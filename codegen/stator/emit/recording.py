@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -50,6 +50,7 @@ class Port:
     kind: str  # trigger, thinned, latest, queue; of an output: hash, whole, stamp
     tag: int
     message: Message
+    burst: int = 1  # of an output
 
 
 @dataclass(frozen=True)
@@ -93,15 +94,15 @@ def _of_task(plan: Plan, task: Task) -> Recorded:
         inputs.append(Port("params", topic, "latest", 0, node.interface.params_message))
     how = {"app": "hash", "driver": "whole", "logger": "stamp"}[kind]
     outputs = [
-        Port(key, o.topic, how, 0, plan.topics[o.topic].message) for key, o in node.outputs.items()
+        Port(key, o.topic, how, 0, plan.topics[o.topic].message, o.port.burst)
+        for key, o in node.outputs.items()
     ]
     params = [
         Port(row.topic, row.topic, how, 0, plan.topics[row.topic].message)
         for row in emit_parameters.published(plan, node)
     ]
     numbered = [
-        Port(port.name, port.topic, port.kind, tag, port.message)
-        for tag, port in enumerate((*inputs, *outputs, *params), start=1)
+        replace(port, tag=tag) for tag, port in enumerate((*inputs, *outputs, *params), start=1)
     ]
     timers = sum(1 for t in node.triggers if t.kind == "every")
     lines = tuple(t.name for t in node.triggers if t.kind == "irq")
@@ -164,6 +165,7 @@ class PortRow:
     tag: int
     how: str
     floats: list[str]
+    burst: int
     age: str = ""  # the argument of a port that does not take samples of any age
 
 
@@ -242,6 +244,7 @@ def port_row(port: Port, age: str = "") -> PortRow:
         tag=port.tag,
         how=f"RecordedOutput::How::k{upper_camel(port.kind)}",
         floats=emit_rows.log_floats(port.message),
+        burst=port.burst,
         age=age,
     )
 
@@ -343,11 +346,9 @@ def _record_bytes(plan: Plan, task: Recorded, rates: Rates) -> Fraction:
         if port.kind == "queue" and (published := rates.topic(port.topic)):
             samples = _period_us(rates, task.name) / published
         total += TAKE_BYTES * samples
-    node: Node | None = plan.graph.nodes.get(task.name)
     for port in task.outputs:
         content = {"whole": port.message.bytes, "hash": HASH_BYTES, "stamp": 0}[port.kind]
-        burst = 1 if node is None else node.outputs[port.name].port.burst
-        total += burst * (TAKE_BYTES + content)
+        total += port.burst * (TAKE_BYTES + content)
     return total + (TAKE_BYTES + HASH_BYTES if task.params else 0)  # of one node at a time
 
 

@@ -38,6 +38,7 @@ class OutputRow:
     name: str
     topic: str
     keep: str
+    burst: int
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,8 @@ class TaskRow:
         fields += [f"ThinnedState thinned_{i.topic}" for i in self.thinned]
         fields += [f"uint32_t {name}" for name in self._numbers()]
         fields += [f"uint32_t {i.name}_served" for i in self.thinned]
+        if self.reads_log:
+            fields.append("uint32_t log_lost")
         if self.is_gated:
             fields.append("ModeGate gate")
             # Shared: with threads, the next switch may come while the task begins.
@@ -193,6 +196,7 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
                 name=key,
                 topic=o.topic,
                 keep="true" if node.name in plan.topics[o.topic].kept_by else "false",
+                burst=o.port.burst,
             )
             for key, o in node.outputs.items()
         ],

@@ -180,15 +180,22 @@ class Output {
 
     // Publishes what `make()` returns, built in its slot: `publish([&] { return Message{...}; })`.
     // Sets `timestamp` to the activation's `now` and wakes the subscribers; more urgent ones run
-    // before this returns.
+    // before this returns. Refused and counted beyond the output's `burst`, for which there may be
+    // no slot, and inside `make`, where it would build in the same slot.
     template <class Make>
     [[gnu::always_inline]] void publish(Make make) {
-        if (topic_ == nullptr) return;
+        if (left_ == 0) [[unlikely]] {
+            ++refused_;
+            return;
+        }
+        const auto left = static_cast<uint16_t>(left_ - 1);
+        left_ = 0;
         const Loan loaned = loan(*topic_, keep_);
         std::byte* slot = slot_at(*topic_, loaned.slot);
         asm("" : "+r"(slot));  // one register reaches all fields: computed once
         Message* message = new (slot) Message(make());
         message->timestamp = now_us_;
+        left_ = left;
         tap_.builds(message);
         // Those whom it wakes do not wait for the record, if the sample lasts.
         const bool is_kept = is_kept_for_publisher(*topic_);
@@ -204,15 +211,20 @@ class Output {
 
     // --- for generated wrappers ---
     Tap& tap() { return tap_; }
-    void connect(const Topic& topic, uint64_t now_us, bool keep) {
+    void connect(const Topic& topic, uint64_t now_us, bool keep, uint16_t burst = 1) {
         topic_ = &topic;
         now_us_ = now_us;
         keep_ = keep;
+        left_ = burst;
     }
+    // Publications of this activation that were refused.
+    uint16_t refused() const { return refused_; }
 
   private:
     const Topic* topic_ = nullptr;
     uint64_t now_us_ = 0;
+    uint16_t left_ = 0;  // publications; none while it is not connected
+    uint16_t refused_ = 0;
     bool keep_ = false;
     [[no_unique_address]] Tap tap_;
 };

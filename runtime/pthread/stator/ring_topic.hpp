@@ -76,12 +76,16 @@ struct Pin {
     bool is_kept = false;
 };
 
+// What a level has read as the newest. It keeps it until it reads a newer one while no job holds
+// it: until then, reading it again is a load and a comparison.
+struct Kept : Pin {
+    uint32_t holds = 0;  // of the job that runs
+};
+
 struct TopicState {
     std::atomic<uint32_t> head{0};  // number of the newest sample; counts from 1 and wraps
-    // What each level has read as the newest, which it keeps until it reads a newer one: then
-    // reading it again is a load and a comparison. Of that level's thread alone; the last one is of
-    // threads that are no level.
-    Pin kept[kMaxLevels + 1];
+    // Each of that level's thread alone; the last one is of threads that are no level.
+    Kept kept[kMaxLevels + 1];
 };
 
 // --- tables ---
@@ -154,7 +158,11 @@ inline void unpin(const Topic& topic, const Pin& pin) {
     topic.users[pin.slot].done.fetch_add(1, std::memory_order_release);
 }
 inline void release(const Topic& topic, const Pin& pin, bool /*marks*/ = true) {
-    if (!pin.is_kept) unpin(topic, pin);
+    if (pin.is_kept) {
+        --topic.state->kept[current_level].holds;
+    } else {
+        unpin(topic, pin);
+    }
 }
 
 // Acquire, here and below: what `head` counts is in the ring. The read-modify-writes on the ring
@@ -184,13 +192,19 @@ inline bool is_ahead(const Topic& topic, uint32_t seen, uint32_t head) {
 inline bool take_latest(const Topic& topic, uint32_t seen, Pin& pin, bool /*marks*/ = true) {
     uint32_t head = newest_number(topic);
     if (is_ahead(topic, seen, head)) head = seen;
-    Pin& kept = topic.state->kept[current_level];
+    Kept& kept = topic.state->kept[current_level];
     if (!kept.is_kept || kept.number != head) {
         if (head == 0 && is_empty(topic)) return false;
+        if (kept.holds != 0) {  // by this job: it gets the newer one beside it
+            pin.is_kept = false;
+            pin_entry(topic, head - 1, pin);
+            return true;
+        }
         if (kept.is_kept) unpin(topic, kept);
         pin_entry(topic, head - 1, kept);
         kept.is_kept = true;
     }
+    ++kept.holds;
     pin = kept;
     return true;
 }

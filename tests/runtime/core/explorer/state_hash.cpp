@@ -125,8 +125,9 @@ uint64_t World::state_hash() const {
     }
     for (unsigned i = 0; i < job_count_; ++i) {
         const Job& job = jobs_[i];
-        hash.add(uint64_t{job.user} << 40 | uint64_t{static_cast<uint8_t>(job.phase)} << 32 |
-                 uint64_t{job.accesses} << 16 | job.load_count);
+        hash.add(uint64_t{job.published} << 48 | uint64_t{job.user} << 40 |
+                 uint64_t{static_cast<uint8_t>(job.phase)} << 32 | uint64_t{job.accesses} << 16 |
+                 job.load_count);
         hash.add(job.has_pin ? uint64_t{slot_of(job.pin)} << 32 | job.pin.saved_free : ~0ULL);
         hash.add(job.has_loan ? uint64_t{job.loaned.slot} << 32 | job.loaned.word : ~0ULL);
         if (job.phase == Job::Phase::kTaking) {

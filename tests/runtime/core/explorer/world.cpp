@@ -114,6 +114,7 @@ void World::activate(unsigned user, bool only_publishes) {
     job.user = user;
     job.only_publishes = only_publishes;
     job.has_pin = job.has_loan = false;
+    job.published = 0;
     job.newest_at_start = newest();
     job.any_at_start = is_any();
     try {
@@ -132,7 +133,10 @@ void World::step(Job& job) {
         seen = samples_[slot_of(job.pin)];
         expect(seen.first == seen.second, "a reader gets a sample that is not complete");
     }
-    if (role.publishes()) publish(job);
+    const unsigned burst = job.only_publishes ? 1 : topology_.users[job.user].burst;
+    for (job.published = 0; role.publishes() && job.published < burst; ++job.published) {
+        publish(job);
+    }
     if (!job.has_pin) return;
     job.enter(role.publishes() ? Job::Phase::kReleasing : Job::Phase::kHolding);
     stator::release(topic_, job.pin, marks_[job.user]);

@@ -41,6 +41,7 @@ struct Job {
     bool has_pin = false;
     bool has_loan = false;
     bool is_built = false;  // the loan is past its commit point
+    unsigned published = 0;
     Pin pin{};
     Loan loaned{};
     uint32_t newest_at_start = 0;

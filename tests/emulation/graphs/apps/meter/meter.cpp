@@ -27,6 +27,13 @@ void pend(unsigned vector) {
     nvic::set_pending(vector / 32).write(1U << vector % 32);
 }
 
+// Alike for every vector.
+[[gnu::noipa]] uint32_t read_and_pend(unsigned vector) {
+    const uint32_t begin = now();
+    pend(vector);
+    return begin;
+}
+
 [[gnu::always_inline]] inline void publish_by_hand(uint64_t time_us, uint32_t value) {
     counting::WrittenByHand& topic = counting::written_by_hand;
     const uint32_t next = topic.newest.load() ^ 1U;
@@ -74,13 +81,11 @@ void Meter::step(MeterPorts& ports) {
     publish_by_hand(time_us, value);
     note(kWrittenByHand, now() - begin - kReading);
 
-    // What pending takes is not the entry's.
-    begin = now();
-    pend(counting::kEmptyVector);
-    const uint32_t empty = at(Place::kEmpty) - begin;
-    begin = now();
-    pend(counting::kProbeVector);
-    note(kInterruptToDriver, at(Place::kDriver) - begin - empty);
+    // Until a handler is entered: the same instructions for both.
+    begin = read_and_pend(counting::kEntryVector);
+    const uint32_t entered = at(Place::kEntry) - begin;
+    begin = read_and_pend(counting::kProbeVector);
+    note(kInterruptToDriver, at(Place::kDriver) - begin - entered);
 
     begin = now();
     ports.first.publish(block);

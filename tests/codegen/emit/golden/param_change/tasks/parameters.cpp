@@ -22,12 +22,13 @@ void run() {
     is_due = true;
     ports.now = ports.request->timestamp;
     if (!is_due) return;  // an earlier activation has served what pended this one
-    ports.value.connect(topics::parameter_value, ports.now, false);
+    ports.value.connect(topics::parameter_value, ports.now, false, 1);
     ports.parameters.connect(parameter_table, ports.now);
     node.step(ports);
     add_to_counter(state.counters.activations, 1);
     activation.finish();
     add_to_counter(state.counters.lost_samples, ports.request.lost());
+    count_refused(state.counters, "parameters.value", ports.value.refused());
 }
 
 }  // namespace stator::tasks::parameters

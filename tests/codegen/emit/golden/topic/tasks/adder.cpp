@@ -23,11 +23,12 @@ void run() {
     ports.now = ports.count->timestamp;
     if (!is_due) return;  // an earlier activation has served what pended this one
     ports.extra.take_latest(topics::slow_count, state.extra_number, ports.now, 50000, false);
-    ports.sum.connect(topics::sum, ports.now, false);
+    ports.sum.connect(topics::sum, ports.now, false, 1);
     node.step(ports);
     add_to_counter(state.counters.activations, 1);
     activation.finish();
     add_to_counter(state.counters.lost_samples, ports.count.lost());
+    count_refused(state.counters, "adder.sum", ports.sum.refused());
 }
 
 }  // namespace stator::tasks::adder
