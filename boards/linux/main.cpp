@@ -176,6 +176,9 @@ void print(const board::RealWorld& world, double wall_s) {
     // Threads do not interrupt each other where a program could count it.
     std::printf("\"unrecorded_activations\": %llu, ",
                 static_cast<unsigned long long>(recording_counts().lost));
+    const char* const refused = refused_publications.newest.load();
+    std::printf("\"refused_publications\": %u, \"refused_output\": \"%s\", ",
+                refused_publications.count.load(), refused == nullptr ? "" : refused);
     std::printf("\"missed_life_signs\": %llu, ", static_cast<unsigned long long>(missed_life_signs(
                                                      program.watched, program.watched_count)));
     print_refusals();

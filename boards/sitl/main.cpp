@@ -120,6 +120,9 @@ void print(const Run& run) {
     std::printf("\"preemptions\": %llu, \"unrecorded_activations\": %llu, ",
                 static_cast<unsigned long long>(run.recording.preemptions),
                 static_cast<unsigned long long>(run.recording.lost));
+    const char* const refused = refused_publications.newest.load();
+    std::printf("\"refused_publications\": %u, \"refused_output\": \"%s\", ",
+                refused_publications.count.load(), refused == nullptr ? "" : refused);
     std::printf("\"missed_life_signs\": %llu, ", static_cast<unsigned long long>(missed_life_signs(
                                                      program.watched, program.watched_count)));
     world::print_flight_facts(board::world(), run.wall_s, board::system0.restarts);

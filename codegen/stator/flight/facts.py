@@ -87,6 +87,8 @@ def facts_of(
         "recording": str(log.resolve()) if is_recorded else None,
         "speed_vs_real_time": None,
         "lost_samples": None,
+        "refused_publications": None,
+        "refused_output": None,
         "activations": None,
         "preemptions": None,
         "unrecorded_activations": None,

@@ -158,6 +158,11 @@ def watch_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     if facts["missed_life_signs"]:
         missed = f"{facts['missed_life_signs']} missed life signs; the log names the tasks"
         rows.append(("life signs", missed))
+    if facts["refused_publications"]:
+        refused = f"{facts['refused_publications']} publications, the last of"
+        rows.append(
+            ("refused", f"{refused} {facts['refused_output']}: more than its `burst` allows")
+        )
     if facts["unrecorded_activations"]:
         lost = f"{facts['unrecorded_activations']:,} activations are not recorded (buffer full)"
         rows.append(("recording", f"it has a gap: {lost}; a replay ends there"))
