@@ -62,7 +62,8 @@ bool Geofence::add_vertex(const RawItem& item, const PlaceFrame& frame, bool inc
     if (vertex_count_ == kMaxVertices || !math::is_finite(at.x() + at.y())) return false;
     if (vertices_left_ == 0) {
         const auto count = math::saturate<unsigned>(item.param[0]);
-        if (area_count_ == kMaxAreas || count < kLeastVertices || count > kMaxVertices) return false;
+        if (area_count_ == kMaxAreas || count < kLeastVertices || count > kMaxVertices)
+            return false;
         areas_[area_count_++] = {.first = static_cast<uint16_t>(vertex_count_),
                                  .count = static_cast<uint16_t>(count),
                                  .radius = 0.0F,

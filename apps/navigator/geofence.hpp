@@ -58,9 +58,9 @@ class Geofence {
         float y;
     };
     struct Area {
-        uint16_t first;   // of the vertices; of a circle: its middle
-        uint16_t count;   // of the vertices; 1: a circle
-        float radius;     // of a circle
+        uint16_t first;  // of the vertices; of a circle: its middle
+        uint16_t count;  // of the vertices; 1: a circle
+        float radius;    // of a circle
         bool includes;
         bool is_about_home;
     };

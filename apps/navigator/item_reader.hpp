@@ -25,7 +25,8 @@ class ItemReader {
             index >= window_->first && index - window_->first < window_->count) {
             return raw_item(*window_, index - window_->first);
         }
-        if (!is_wanted_) wanted_ = {.first = static_cast<uint16_t>(index), .list = to_request(list)};
+        if (!is_wanted_)
+            wanted_ = {.first = static_cast<uint16_t>(index), .list = to_request(list)};
         is_wanted_ = true;
         return {};
     }

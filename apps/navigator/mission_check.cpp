@@ -71,7 +71,8 @@ Fault MissionCheck::fault_of_place(const Item& item, const Geofence& fence,
     const float height = home_N_.z() - item.position_N.z();
     const bool may_be_low = item.kind == ItemKind::kLand;
     if (!may_be_low && !(height > 0.0F)) return Fault::kBelowHome;
-    const float away = math::norm(Vector3<float>(item.position_N - home_N_).head<2>()) + reach(item);
+    const float away =
+        math::norm(Vector3<float>(item.position_N - home_N_).head<2>()) + reach(item);
     if (away > limits.farthest) return Fault::kTooFar;
     const FenceLimits own = fence.limits(limits.fence);
     if (own.radius > 0.0F && away > own.radius) return Fault::kTooFar;

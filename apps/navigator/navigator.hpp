@@ -99,7 +99,7 @@ class Navigator {
     // The plans of the mission device.
     ItemReader reader_;
     Geofence fence_;
-    uint64_t frame_us_ = 0;  // of the frame that all of this stands in
+    uint64_t frame_us_ = 0;     // of the frame that all of this stands in
     bool lacks_place_ = false;  // an item waits for a place or height that is not known yet
     uint32_t fence_id_ = 0;
     unsigned fence_read_ = 0;

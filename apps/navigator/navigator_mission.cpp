@@ -22,10 +22,7 @@ void Navigator::advance_mission(const NavigatorPorts& ports, float dt) {
     if (mission.mission_id != flown_id_) sequence_.forget();
     flown_id_ = mission.mission_id;
     const Situation situation{
-        .before_N = position_N_,
-        .position_N = position_N_,
-        .heading = heading_,
-        .dt = dt};
+        .before_N = position_N_, .position_N = position_N_, .heading = heading_, .dt = dt};
     if (phase_ == 0) {
         if (!has_left_ground_ && in_phase_s_ < ports.params->spool_up_time) return;
         return take_next(mission, situation);
@@ -105,9 +102,8 @@ void Navigator::begin_item() {
             const Vector3<float> from = position_N_ - place_N;
             const float away = math::norm(from.head<2>());
             const float radius = math::abs(item.param[2]);
-            const Vector3<float> side = away > kNearEnough
-                                            ? Vector3<float>(from * (radius / away))
-                                            : Vector3<float>(radius, 0.0F, 0.0F);
+            const Vector3<float> side = away > kNearEnough ? Vector3<float>(from * (radius / away))
+                                                           : Vector3<float>(radius, 0.0F, 0.0F);
             place_N.head<2>() += side.head<2>();
             break;
         }

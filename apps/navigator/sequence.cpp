@@ -11,7 +11,7 @@ constexpr float kNaN = math::canonical_nan<float>();
 constexpr float kDegree = math::kPi<float> / 180.0F;
 // Items in one activation: jumps that lead round without a place end in the next one.
 constexpr unsigned kMostAtOnce = 16;
-constexpr float kTurned = 0.1F;      // rad
+constexpr float kTurned = 0.1F;  // rad
 constexpr float kLongestTurn_s = 10.0F;
 constexpr unsigned kRegionNone = 0;
 constexpr unsigned kRegionNextPlace = 1;

@@ -57,7 +57,8 @@ Leg Leg::circle(float bearing, float radius, float turns, const ProfileLimits& l
     Leg leg;
     leg.radius_ = radius;
     leg.axis_ = unit(bearing);
-    leg.across_ = unit(turns < 0.0F ? bearing - math::kHalfPi<float> : bearing + math::kHalfPi<float>);
+    leg.across_ =
+        unit(turns < 0.0F ? bearing - math::kHalfPi<float> : bearing + math::kHalfPi<float>);
     // The acceleration inwards, too, stays within the limit.
     const float speed = math::min(limits.speed, math::sqrt(limits.acceleration * radius));
     leg.profile_ = Profile(math::kTwoPi<float> * math::abs(turns),

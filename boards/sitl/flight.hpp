@@ -7,8 +7,8 @@
 
 namespace stator::board {
 
-// Before the graph starts: makes the world. `mission`, the memory of the mission device, and `truth`,
-// which takes the true flight, may be null.
+// Before the graph starts: makes the world. `mission`, the memory of the mission device, and
+// `truth`, which takes the true flight, may be null.
 void prepare(const world::Conditions& conditions, std::FILE* mission, std::FILE* truth);
 
 const world::World& world();

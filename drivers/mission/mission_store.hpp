@@ -43,8 +43,8 @@ struct StoredHead {
     uint32_t magic = 0;
     uint32_t generation = 0;  // greater than that of the list before
     uint32_t count = 0;
-    uint32_t id = 0;          // CRC-32 of all items
-    uint32_t crc = 0;         // of all before it
+    uint32_t id = 0;   // CRC-32 of all items
+    uint32_t crc = 0;  // of all before it
 };
 static_assert(sizeof(StoredHead) == 20);
 static_assert(std::endian::native == std::endian::little);

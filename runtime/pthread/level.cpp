@@ -157,8 +157,8 @@ void LevelThread::run_task(unsigned index) {
     running_.store(nullptr, std::memory_order_relaxed);
 }
 
-// The word goes to 0 only if nothing but kAwakeBit is set; a thread that sets a bit from then on finds
-// 0 and wakes this thread, which the kernel keeps asleep only while the word is 0.
+// The word goes to 0 only if nothing but kAwakeBit is set; a thread that sets a bit from then on
+// finds 0 and wakes this thread, which the kernel keeps asleep only while the word is 0.
 void LevelThread::sleep(uint64_t until_us) {
     sleeps_.fetch_add(1);
     uint32_t awake = kAwakeBit;

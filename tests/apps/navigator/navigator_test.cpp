@@ -470,7 +470,8 @@ TEST_F(NavigatorTest, a_jump_that_leads_nowhere_is_not_valid) {
 TEST_F(NavigatorTest, an_area_that_excludes_lets_nothing_through) {
     const auto draw = [this](float north) {
         lists_[1].clear();
-        for (const auto& [x, y] : {std::pair(0.0F, -5.0F), {10.0F, -5.0F}, {10.0F, 5.0F}, {0.0F, 5.0F}}) {
+        for (const auto& [x, y] :
+             {std::pair(0.0F, -5.0F), {10.0F, -5.0F}, {10.0F, 5.0F}, {0.0F, 5.0F}}) {
             add_fence(FenceKind::kPolygonExclusion, 4.0F, north + x, y);
         }
         change();
@@ -493,7 +494,8 @@ TEST_F(NavigatorTest, of_areas_that_include_one_is_enough) {
     position_.ref_lon = 8.0;
     lists_[1][0].x = 470000000;
     lists_[1][0].y = 80000000;
-    for (const auto& [x, y] : {std::pair(5.0F, -5.0F), {40.0F, -5.0F}, {40.0F, 5.0F}, {5.0F, 5.0F}}) {
+    for (const auto& [x, y] :
+         {std::pair(5.0F, -5.0F), {40.0F, -5.0F}, {40.0F, 5.0F}, {5.0F, 5.0F}}) {
         add_fence(FenceKind::kPolygonInclusion, 4.0F, x, y);
     }
     position_.x = position_.y = 0.0F;
@@ -822,7 +824,8 @@ TEST_F(NavigatorTest, speeds_of_the_mission_hold_for_its_return_too) {
     EXPECT_EQ(goal_.max_horizontal_speed, 2.0F);
     fly(Nav::kHold);
     fly(Nav::kReturn);
-    EXPECT_TRUE(math::is_nan(goal_.max_horizontal_speed)) << "the pilot's return is not the mission's";
+    EXPECT_TRUE(math::is_nan(goal_.max_horizontal_speed))
+        << "the pilot's return is not the mission's";
 }
 
 TEST_F(NavigatorTest, a_landing_that_cannot_reach_its_place_goes_down_all_the_same) {

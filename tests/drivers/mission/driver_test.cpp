@@ -38,8 +38,11 @@ struct Driver : ::testing::Test {
         if (was_answered) items = answered.newest();
     }
     void send(Action action, uint16_t first, uint16_t count, uint32_t id = 0) {
-        MissionUpload part{.action = action, .list = MissionUpload::List::kMission, .first = first,
-                           .count = count, .id = id};
+        MissionUpload part{.action = action,
+                           .list = MissionUpload::List::kMission,
+                           .first = first,
+                           .count = count,
+                           .id = id};
         part.command.fill(16);
         for (unsigned i = 0; i < part.x.size(); ++i) part.x[i] = static_cast<int32_t>(first + i);
         step(nullptr, &part);
