@@ -93,7 +93,8 @@ def _notes(mission: Mission, route: Route) -> list[str]:
         notes.append("no landing at the end: it holds there, then returns; hint: add a return")
     elif route.is_endless:
         notes.append(
-            "it has no end: it goes on until the pilot or a failsafe ends it; hint: end it with a return"
+            "it has no end: it goes on until the pilot or a failsafe ends it; "
+            "hint: end it with a return"
         )
     flown = route.flown
     never = [

@@ -73,7 +73,8 @@ def test_a_loiter_without_time_lasts(tmp_path: Path) -> None:
     mission = read("items: [takeoff: {height: 5 m}, loiter: {}]", tmp_path)
     assert mission.items[1].command == LOITER_UNLIMITED
     assert mission.notes == (
-        "it has no end: it goes on until the pilot or a failsafe ends it; hint: end it with a return",
+        "it has no end: it goes on until the pilot or a failsafe ends it; "
+        "hint: end it with a return",
     )
 
 
