@@ -186,6 +186,7 @@ class Output {
         Message* message = new (slot) Message(make());
         message->timestamp = now_us_;
         left_ = left;
+        tap_.completes(message);
         // Those whom it wakes do not wait for the record, if the sample lasts.
         const bool is_kept = is_kept_for_publisher(*topic_);
         if (!is_kept) tap_.publishes(message, sizeof(Message));

@@ -48,6 +48,7 @@ class ParameterPort {
         write_parameter(row, message, value);
         std::memcpy(message, &now_us_, sizeof now_us_);  // `timestamp` is every message's first
         Tap tap = taps_.at(row.topic);
+        tap.completes(message);
         tap.publishes(message, topic.sample_bytes);
         tap.published(commit(topic, loaned));
     }

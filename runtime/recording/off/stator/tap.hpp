@@ -12,7 +12,8 @@ class Tap {
   public:
     void takes(uint32_t) {}
     void notes(uint32_t) {}
-    void publishes(void*, uint32_t) {}
+    void completes(void*) {}
+    void publishes(const void*, uint32_t) {}
     void published(uint32_t) {}
 };
 

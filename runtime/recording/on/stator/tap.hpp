@@ -13,12 +13,16 @@ namespace stator {
 
 inline constexpr bool kRecords = true;
 
+// What `Tap::completes` does.
+[[gnu::noinline]] inline void complete_sample(const RecordedOutput& output, void* message) {
+    canonicalise(static_cast<std::byte*>(message), output.floats, output.float_count);
+}
+
 // What `Tap::publishes` does.
 [[gnu::noinline]] inline void record_sample(RecordStream& stream, const RecordedOutput& output,
-                                            void* message, uint32_t bytes) {
+                                            const void* message, uint32_t bytes) {
     stream.number(output.tag);
     if (output.how == RecordedOutput::How::kStamp) return;
-    canonicalise(static_cast<std::byte*>(message), output.floats, output.float_count);
     if (output.how == RecordedOutput::How::kWhole) return stream.data(message, bytes);
     const uint32_t crc = crc32(0, message, bytes);
     stream.data(&crc, sizeof crc);
@@ -54,8 +58,13 @@ class Tap {
     [[gnu::always_inline]] void record_noted() {
         if (has_noted_) takes(noted_);
     }
-    // An output: while the sample is complete and nobody else touches it ...
-    [[gnu::always_inline]] void publishes(void* message, uint32_t bytes) {
+    // An output: before anybody reads the sample. A replay's readers get it as it is then.
+    [[gnu::always_inline]] void completes(void* message) {
+        if (stream_ == nullptr || output_->float_count == 0) return;
+        complete_sample(*output_, message);
+    }
+    // While nobody else touches it ...
+    [[gnu::always_inline]] void publishes(const void* message, uint32_t bytes) {
         if (stream_ != nullptr) record_sample(*stream_, *output_, message, bytes);
     }
     // ... and then its number.
