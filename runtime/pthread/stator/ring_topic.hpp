@@ -277,8 +277,10 @@ inline uint32_t commit(const Topic& topic, Loan loaned, const std::byte* /*sampl
     return sequence + 1;
 }
 
-// Pends the thinned subscribers that are due. Under the lock: two publishers would both pass.
-[[gnu::noinline]] inline void pend_thinned(const Topic& topic, uint64_t timestamp_us) {
+// The thinned subscribers that are due, one bit each. Under the lock: two publishers would both
+// pass.
+inline uint32_t due_thinned(const Topic& topic, uint64_t timestamp_us) {
+    uint32_t due = 0;
     const Lock lock(topic.mutex);
     for (unsigned i = 0; i < topic.thinned_count; ++i) {
         const Thinned& thinned = topic.thinned[i];
@@ -286,7 +288,14 @@ inline uint32_t commit(const Topic& topic, Loan loaned, const std::byte* /*sampl
         const uint64_t late = timestamp_us - thinned.state->due_us;
         thinned.state->due_us += (late / thinned.interval_us + 1) * thinned.interval_us;
         thinned.state->fires.store(thinned.state->fires.load() + 1);
-        set_pending(thinned.pend);
+        due |= 1U << i;
+    }
+    return due;
+}
+// Wakes them behind the lock: waking is a system call, and another publisher may be waiting.
+[[gnu::noinline]] inline void pend_thinned(const Topic& topic, uint64_t timestamp_us) {
+    for (uint32_t due = due_thinned(topic, timestamp_us); due != 0; due &= due - 1) {
+        set_pending(topic.thinned[std::countr_zero(due)].pend);
     }
 }
 

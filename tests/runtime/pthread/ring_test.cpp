@@ -133,6 +133,25 @@ TEST_F(Ring, a_slot_on_loan_is_given_to_nobody_else) {
     EXPECT_TRUE(topic.is_idle());
 }
 
+// Waking is a system call: it is not made while another publisher may wait for the lock.
+TEST_F(Ring, thinned_subscribers_are_found_under_the_lock_and_woken_behind_it) {
+    TopicOf<Reading, 1, 3, 2> topic;
+    ThinnedState states[3];
+    const Thinned rows[] = {
+        {&states[0], 1000, {0, 1}}, {&states[1], 5000, {0, 2}}, {&states[2], 1000, {0, 4}}};
+    topic.topic.thinned = rows;
+    topic.topic.thinned_count = 3;
+    pending_words[0].bits.store(kAwake);
+    EXPECT_EQ(due_thinned(topic.topic, 0), 7U);
+    EXPECT_EQ(due_thinned(topic.topic, 2500), 5U);
+    EXPECT_EQ(pending_words[0].bits.load(), kAwake) << "found only";
+    activate(topic.topic, 3500);
+    EXPECT_EQ(pending_words[0].bits.load(), kAwake | 5U);
+    EXPECT_EQ(states[0].fires.load(), 3U);
+    EXPECT_EQ(states[1].fires.load(), 1U);
+    pending_words[0].bits.store(0);
+}
+
 // A node's parameters beside the port that publishes them; a logger's input beside what it logs.
 TEST_F(Ring, what_a_job_holds_stays_when_it_reads_a_newer_one) {
     TopicOf<Reading, 1, 3> topic;  // the ring, what is held, one on loan, one of the link
