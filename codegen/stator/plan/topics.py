@@ -42,7 +42,7 @@ class TopicPlan:
     slots: int
     ceiling: int  # the highest publishing level if several levels publish, else 0
     kept_by: tuple[str, ...]  # publishers that a reader outranks
-    # On one core its one or two slots take turns, as nobody holds one while the next but one is
+    # On one core its one or two slots take turns, as no job holds one while the next but one is
     # built: one level publishes, and every reader is of that level or above it.
     takes_turns: bool
     log_us: int | None  # None: not logged; 0: every sample

@@ -119,7 +119,7 @@ struct TopicState {
 };
 
 // The same of a topic of depth 1 that one level publishes and that no lower level reads, nor its
-// publisher: nobody holds a sample while the next but one is built, so its one or two slots take
+// publisher: no job holds a sample while the next but one is built, so its one or two slots take
 // turns. Sample n lies in slot n modulo their count.
 struct TurnState {
     Shared<const std::byte*> newest;  // null before the first
