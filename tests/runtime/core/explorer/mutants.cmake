@@ -72,7 +72,7 @@ stator_add_mutant(release_omitted
     RUN --depth 1 "1r 2w")
 stator_add_mutant(release_sets_the_bit
     FROM "if (marks && topic.turns == nullptr) topic.state->free.store(pin.saved_free);"
-    TO "if (marks && topic.turns == nullptr) topic.state->free.store(topic.state->free.load() | slot_mask(pin.slot));"
+    TO "if (marks && topic.turns == nullptr) topic.state->free.store(topic.state->free.load() | slot_mask(static_cast<unsigned>(pin.slot)));"
     RUN --depth 1 "1r 2r 3w")
 stator_add_mutant(loan_not_marked
     FROM "    topic.state->free.store(loaned.word & ~slot_mask(loaned.slot));"
