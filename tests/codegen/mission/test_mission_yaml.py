@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -20,8 +21,8 @@ from stator.mission.commands import (
     WAYPOINT,
 )
 from stator.mission.model import MAX_ITEMS, Mission
-from stator.mission.read import read_mission
 from stator.mission.vehicle import Vehicle
+from stator.mission.read import read_mission
 
 
 def read(text: str, folder: Path) -> Mission:
@@ -73,8 +74,7 @@ def test_a_loiter_without_time_lasts(tmp_path: Path) -> None:
     mission = read("items: [takeoff: {height: 5 m}, loiter: {}]", tmp_path)
     assert mission.items[1].command == LOITER_UNLIMITED
     assert mission.notes == (
-        "it has no end: it goes on until the pilot or a failsafe ends it; "
-        "hint: end it with a return",
+        "it has no end: it goes on until the pilot or a failsafe ends it; hint: end it with a return",
     )
 
 
