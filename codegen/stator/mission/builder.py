@@ -210,7 +210,7 @@ class Builder:
             self.note(note, item.label)
         if not (speed > 0.0 or speed in (-1.0, -2.0)):
             what = f"expected a speed above 0 m/s, -1 or -2, found {speed:g}"
-            self._error(item, what, "-1 changes nothing, -2 is the vehicle's own speed")
+            self._error(item, what, "-1 keeps the speed, -2 is the vehicle's own speed")
         if throttle > 0.0:
             self.note("the throttle of a change of speed is not used", item.label)
         if is_relative == 1.0:
