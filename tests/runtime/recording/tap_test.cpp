@@ -32,7 +32,7 @@ TEST_F(RecordedTopic, a_more_urgent_reader_gets_the_canonical_nan) {
         std::array<uint8_t, 64> bytes{};
         RecordStream stream(bytes.data(), bytes.size());
         constexpr FloatRun kFloats[] = {{offsetof(Measured, value), 1, sizeof(float)}};
-        const RecordedOutput recorded{1, RecordedOutput::How::kCrc, kFloats, 1};
+        const RecordedOutput recorded{1, RecordedOutput::How::kHash, kFloats, 1};
         uint32_t number = 0;
         Output<Measured> output;
         output.tap().connect(stream, recorded, number);
