@@ -61,7 +61,7 @@ BENCHMARK(plain_stores);
 // The subscriber's level runs, so that nobody is woken.
 void publish_awake(benchmark::State& run) {
     Topic64 memory;
-    pending_words[0].bits.store(kAwake);
+    pending_words[0].bits.store(kAwakeBit);
     uint64_t x = 1;
     for (auto _ : run) {
         benchmark::DoNotOptimize(x);
@@ -102,7 +102,7 @@ BENCHMARK(read_latest);
 // A publication and the read of what it published: less `publish_awake`, what a new sample costs.
 void read_new(benchmark::State& run) {
     Topic64 memory;
-    pending_words[0].bits.store(kAwake);
+    pending_words[0].bits.store(kAwakeBit);
     uint32_t seen = 0;
     uint64_t x = 1;
     for (auto _ : run) {

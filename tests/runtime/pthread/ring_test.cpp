@@ -141,12 +141,12 @@ TEST_F(Ring, thinned_subscribers_are_found_under_the_lock_and_woken_behind_it) {
         {&states[0], 1000, {0, 1}}, {&states[1], 5000, {0, 2}}, {&states[2], 1000, {0, 4}}};
     topic.topic.thinned = rows;
     topic.topic.thinned_count = 3;
-    pending_words[0].bits.store(kAwake);
+    pending_words[0].bits.store(kAwakeBit);
     EXPECT_EQ(due_thinned(topic.topic, 0), 7U);
     EXPECT_EQ(due_thinned(topic.topic, 2500), 5U);
-    EXPECT_EQ(pending_words[0].bits.load(), kAwake) << "found only";
+    EXPECT_EQ(pending_words[0].bits.load(), kAwakeBit) << "found only";
     activate(topic.topic, 3500);
-    EXPECT_EQ(pending_words[0].bits.load(), kAwake | 5U);
+    EXPECT_EQ(pending_words[0].bits.load(), kAwakeBit | 5U);
     EXPECT_EQ(states[0].fires.load(), 3U);
     EXPECT_EQ(states[1].fires.load(), 1U);
     pending_words[0].bits.store(0);
