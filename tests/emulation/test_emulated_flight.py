@@ -41,6 +41,20 @@ def test_the_firmware_keeps_the_limits(
     assert facts["emulator"] == emulator.version
 
 
+def test_the_firmware_begins_a_mission(
+    emulator: Emulator, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Its items come from the memory of the mission device; it takes off at 5.8 s."""
+    mission = HOME / "graph" / "missions" / "square.yaml"
+    log = str(tmp_path / "flight.ulg")
+    cli.main(["emulate", "--mission", str(mission), "--duration", "7", "-o", log, "--json"])
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["emulator"] == emulator.version
+    assert [mode["mode"] for mode in facts["modes"]] == ["hold", "mission"]
+    assert facts["take_off_s"] < 6.5
+    assert facts["items_total"] == 5
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("seed", [2, 9])
 def test_the_firmware_holds_its_place_in_wind(

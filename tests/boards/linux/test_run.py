@@ -41,6 +41,16 @@ def run(*arguments: str) -> tuple[int, dict[str, Any]]:
     return finished.returncode, json.loads(finished.stdout)
 
 
+def test_a_mission_is_in_the_devices_memory(tmp_path: Path) -> None:
+    mission = HOME / "graph" / "missions" / "square.yaml"
+    log = tmp_path / "mission.ulg"
+    _, facts = run("--mission", str(mission), "--duration", "2", "-o", str(log))
+    assert (facts["graph"], facts["mission"]) == ("quad_outdoor", "square")
+    result = next(d.data for d in ULog(str(log)).data_list if d.name == "mission_result")
+    assert result["seq_total"][-1] == 6
+    assert result["mission_id"][-1] != 0
+
+
 @pytest.mark.usefixtures("program")
 def test_a_short_run_is_told_in_full(tmp_path: Path) -> None:
     log = tmp_path / "short.ulg"

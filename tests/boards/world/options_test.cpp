@@ -121,6 +121,22 @@ TEST(Options, a_mission_and_a_speed_are_taken) {
     EXPECT_NE(refusal({"--mission", ""}, options), "");
 }
 
+TEST(Options, the_world_lies_where_it_is_told) {
+    Options options;
+    EXPECT_EQ(refusal({"--origin", "-33.5,151.25,12.5"}, options), "");
+    EXPECT_EQ(options.conditions.earth.latitude_deg, -33.5);
+    EXPECT_EQ(options.conditions.earth.longitude_deg, 151.25);
+    EXPECT_EQ(options.conditions.earth.altitude_msl, 12.5);
+    const Earth usual;
+    Options without;
+    EXPECT_EQ(refusal({"--origin", "59,10"}, without), "");
+    EXPECT_EQ(without.conditions.earth.altitude_msl, usual.altitude_msl);
+    for (const char* wrong :
+         {"", "1", "1,", "91,0", "0,181", "0,0,99999", "0,0,x", "0,0,1,2", "nan,0"}) {
+        EXPECT_NE(refusal({"--origin", wrong}, options), "") << wrong;
+    }
+}
+
 TEST(Options, refuses_what_it_does_not_know) {
     Options options;
     EXPECT_EQ(refusal({"--sed", "1"}, options),
@@ -128,7 +144,8 @@ TEST(Options, refuses_what_it_does_not_know) {
               "--duration SECONDS, --times zero|random, --budgets TASK=US,..., "
               "--vary no|yes, --wind M_S, "
               "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
-              "--pilot FILE, --mission FILE, --speed FACTOR\n");
+              "--pilot FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], "
+              "--speed FACTOR\n");
 }
 
 }  // namespace
