@@ -18,6 +18,7 @@ from stator.flight.arguments import (
     is_windy,
     rates_of,
     recording_of,
+    setting_of,
     speed_of,
 )
 from stator.flight.facts import alone, default_log, facts_of, keep
@@ -82,6 +83,7 @@ def main(arguments: argparse.Namespace) -> int:
             judges=is_judged(arguments),
             is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
+            setting=setting_of(arguments),
         )
     facts |= rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}

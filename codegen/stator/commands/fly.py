@@ -21,6 +21,7 @@ from stator.flight.arguments import (
     is_windy,
     rates_of,
     recording_of,
+    setting_of,
     speed_of,
     times_of,
 )
@@ -91,6 +92,7 @@ def main(arguments: argparse.Namespace) -> int:
             judges=is_judged(arguments),
             is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
+            setting=setting_of(arguments, mission),
         )
     facts |= {"mission": arguments.mission.stem if arguments.mission else None}
     facts |= rates_of(arguments)

@@ -29,6 +29,7 @@ from stator.flight.arguments import (
     is_windy,
     rates_of,
     recording_of,
+    setting_of,
 )
 from stator.flight.facts import complaint_of, default_log, facts_of, keep
 from stator.flight.nonvolatile import nonvolatile_facts, nonvolatile_of, nonvolatile_rows
@@ -42,6 +43,8 @@ from stator.pipeline import make_plan
 if TYPE_CHECKING:
     import subprocess
     from collections.abc import Iterator
+
+    from stator.flight.invariants import Setting
 
 MIN_SPEED = 0.001
 MAX_CPUS = 64
@@ -161,6 +164,7 @@ def main(arguments: argparse.Namespace) -> int:
         flies=flies,
         is_recorded=is_recorded(arguments),
         in_wind=is_windy(arguments),
+        setting=setting_of(arguments),
     )
     facts["logs_before_restart"] = [str(path.resolve()) for path in earlier]
     facts["nonvolatile"] = nonvolatile_facts(memory, facts.get("nonvolatile"))
@@ -249,6 +253,7 @@ def _facts(
     flies: bool,
     is_recorded: bool,
     in_wind: bool,
+    setting: Setting,
 ) -> dict[str, Any]:
     facts: dict[str, Any] = facts_of(
         finished,
@@ -258,6 +263,7 @@ def _facts(
         judges=flies,
         is_recorded=is_recorded,
         in_wind=in_wind,
+        setting=setting,
     )
     if finished.returncode < 0:
         return facts

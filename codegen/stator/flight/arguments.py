@@ -11,9 +11,13 @@ from stator import HOME
 from stator.arguments import path
 from stator.build.cmake import RECORDING
 from stator.diagnostics import UserError
+from stator.flight.invariants import Setting
+from stator.flight.log import MODES
 from stator.pipeline import make_plan
 
 if TYPE_CHECKING:
+    from stator.graph.model import Node
+    from stator.mission.model import Mission
     from stator.plan.plan import Plan
 
 MAX_SEED = 2**64 - 1
@@ -188,6 +192,29 @@ def is_judged(arguments: argparse.Namespace) -> bool:
     nodes = plan.graph.nodes.values()
     has_motors = any(node.device == "motors" or node.interface.name == "can_esc" for node in nodes)
     return has_motors and has_logger(plan)
+
+
+def setting_of(arguments: argparse.Namespace, mission: Mission | None = None) -> Setting:
+    """What the flight is flown with, for its invariants."""
+    plan = make_plan(str(arguments.graph), arguments.board)
+    commander = next((n for n in plan.graph.nodes.values() if n.interface.failsafe), None)
+    if commander is None:
+        return Setting()
+    table = commander.interface.failsafe
+    assert table is not None
+    fence = {key: _number(commander, key) for key in ("fence_radius", "fence_height")}
+    if mission is not None:
+        fence = {key: getattr(mission, key) or value for key, value in fence.items()}
+    return Setting(
+        needs={MODES[mode]: needs for mode, needs in table.needs.items()},
+        origin=mission.origin if mission else None,
+        **fence,
+    )
+
+
+def _number(node: Node, key: str) -> float:
+    value = node.params.get(key)
+    return float(value) if isinstance(value, int | float) else 0.0
 
 
 def seed_of(text: str) -> int:

@@ -13,7 +13,7 @@ import numpy as np
 
 from stator.flight import log as flight_log
 from stator.flight.judge import Problem, at_end, ending, landing_problems, place, rms
-from stator.flight.log import FAILSAFE_EVENTS, NAV_STATES, in_flight, newest
+from stator.flight.log import ARMED, FAILSAFE_EVENTS, MODES, NAV_STATES, in_flight, newest
 from stator.mission.model import EIGHT, LAND, NAMES, RETURN, TAKEOFF, WAYPOINT, Mission
 
 if TYPE_CHECKING:
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     Rows = NDArray[np.bool_]
 
-ARMED, IN_MISSION = 2, 3  # graph/messages/VehicleStatus.yaml
 USUAL_LIMITS = {"touchdown_speed": 1.0}
 # A vehicle counts as staying after its setpoint has not moved for this time.
 SETTLED_S = 3.0
@@ -223,7 +222,7 @@ def _at_rest(flight: Flight, setpoint: Floats) -> NDArray[np.bool_]:
     time = flight.truth.time_s
     nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
     moves = np.any(np.diff(setpoint, axis=0, prepend=setpoint[:1]) != 0.0, axis=1)
-    moves |= ~np.isfinite(setpoint).all(axis=1) | (nav_state != IN_MISSION)
+    moves |= ~np.isfinite(setpoint).all(axis=1) | (nav_state != MODES["mission"])
     last = np.maximum.accumulate(np.where(moves, time, -np.inf))
     rests: NDArray[np.bool_] = time - last >= SETTLED_S
     return rests
@@ -264,7 +263,7 @@ def _tracking(log: ULog, flight: Flight, mission: Mission) -> float | None:
     nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
     eights = [i for i, m in enumerate(mission.items) if m.kind == EIGHT]
     counted = eights or [i for i, m in enumerate(mission.items) if m.kind != TAKEOFF]
-    rows = in_flight(flight, time) & (nav_state == IN_MISSION) & np.isin(item, counted)
+    rows = in_flight(flight, time) & (nav_state == MODES["mission"]) & np.isin(item, counted)
     rows &= np.isfinite(setpoint).all(axis=1)
     error = np.linalg.norm(estimate[rows] - setpoint[rows], axis=1)
     return rms(error) if error.size else None

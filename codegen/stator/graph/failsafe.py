@@ -70,7 +70,8 @@ def read_failsafe(sources: Sources, path: Path, status: Message) -> Failsafe | N
     if len(report) == count:
         _check_needs(record, cells, modes, events, report)
     rows = tuple(tuple(_next(cells, m, e) for e in events) for m in modes)
-    return None if len(report) > count else Failsafe(path, modes, events, rows)
+    needs = {mode: frozenset(words) for mode, words in _needs(record).items()}
+    return None if len(report) > count else Failsafe(path, modes, events, rows, needs)
 
 
 def _values(status: Message, field: str) -> tuple[str, ...]:
@@ -145,6 +146,10 @@ def _check_row(
             report.error(leaf.mark, "failsafe-total", f"unknown mode {quoted(leaf.value)}", hint)
 
 
+def _needs(record: Record) -> dict[str, set[str]]:
+    return {m: {leaf.value for leaf in words.value} for m, words in items(record, "needs")}
+
+
 def _next(cells: Cells, mode: str, event: str) -> str:
     into: str = cells[mode][event].value
     return mode if into == GO_ON else into
@@ -204,7 +209,7 @@ def _check_needs(
 ) -> None:
     """Every mode that the table ends in has what it needs."""
     next_mode = {(m, e): _next(cells, m, e) for m in modes for e in events}
-    needs = {m: {leaf.value for leaf in words.value} for m, words in items(record, "needs")}
+    needs = _needs(record)
     takes: dict[str, set[str]] = {}
     for event, value in items(record, "events"):
         words = value.get("without")
