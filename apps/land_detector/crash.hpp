@@ -1,0 +1,38 @@
+// Whether the vehicle lies on the ground, upside down or on its side.
+#pragma once
+
+#include "stator/rotation.hpp"
+
+namespace stator::apps::land_detector {
+
+// Thrust acts along -z of B, and what lies on the ground feels gravity alone, wherever its rotors
+// push: so the specific force then has no part along -z, in the air it has nothing else. What
+// tumbles turns fast. The estimated attitude must agree, because an accelerometer can fail.
+class Crash {
+  public:
+    // The newest samples; a tilt in rad.
+    bool update(const math::Vector3<float>& force_B, const math::Vector3<float>& rate_B,
+                float cos_tilt, float dt) {
+        const float blend = dt / (kSmoothing_s + dt);
+        force_B_ += blend * (force_B - force_B_);
+        const float felt = math::norm(force_B_);
+        const bool rests = math::abs(felt - kGravity) < 0.3F * kGravity &&
+                           math::norm(rate_B) < kTumbling;
+        const bool fallen = force_B_.z() > -kFallen * kGravity && cos_tilt < kFallen;
+        for_s_ = rests && fallen ? math::min(for_s_ + dt, kLasts_s) : 0.0F;
+        return for_s_ >= kLasts_s;
+    }
+    void reset() { for_s_ = 0.0F; }
+
+  private:
+    static constexpr float kGravity = 9.80665F;
+    static constexpr float kFallen = 0.45F;      // the cosine of 63 deg
+    static constexpr float kTumbling = 1.5F;     // rad/s
+    static constexpr float kSmoothing_s = 0.1F;  // against vibration
+    static constexpr float kLasts_s = 0.7F;
+
+    math::Vector3<float> force_B_ = {0.0F, 0.0F, -kGravity};
+    float for_s_ = 0.0F;
+};
+
+}  // namespace stator::apps::land_detector
