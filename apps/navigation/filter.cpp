@@ -14,6 +14,10 @@ constexpr float kGap = 0.1F;       // s
 constexpr float kGapRate = 0.1F;   // rad/s
 constexpr float kGapForce = 1.0F;  // m/s^2
 
+// What an accelerometer in doubt may be wrong by, and for how long the same way.
+constexpr float kDoubtfulForce = 10.0F;  // m/s^2
+constexpr float kDoubtTime = 0.2F;       // s
+
 // Below, the force along the ground is noise and the tilt's error, and says nothing of the heading:
 // taken for true it would make the filter sure of a heading that was never measured.
 constexpr float kTellingForce = 0.5F;  // m/s^2
@@ -81,7 +85,7 @@ void Filter::start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance
     covariance_.limit();
 }
 
-void Filter::predict(const MotionWindow::Step& step, const NavigationParams& params) {
+void Filter::predict(const MotionWindow::Step& step, const NavigationParams& params, bool doubts) {
     Motion motion = step.motion;
     const float time = motion.time;
     // What the bias changed by since it was taken off.
@@ -95,6 +99,7 @@ void Filter::predict(const MotionWindow::Step& step, const NavigationParams& par
     if (level_force_N_.squaredNorm() < math::square(kTellingForce)) seen_push_N.head<2>().setZero();
     Covariance::Noise noise = noise_of(time, params);
     noise.velocity += second_order(seen_push_N, time, variance(kHeading));
+    if (doubts) noise.velocity += math::square(kDoubtfulForce) * kDoubtTime * time;
     covariance_.predict(R_NB, seen_push_N, time, noise);
     covariance_.limit();
     kinematics_ = moved(kinematics_, motion);

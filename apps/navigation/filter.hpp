@@ -42,7 +42,9 @@ class Filter {
     // At rest at the origin, with this attitude and this uncertainty of its tilt.
     void start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance,
                float heading_variance, const NavigationParams& params);
-    void predict(const MotionWindow::Step& step, const NavigationParams& params);
+    // `doubts`: the accelerometer may be wrong by anything.
+    void predict(const MotionWindow::Step& step, const NavigationParams& params,
+                 bool doubts = false);
     // Fuses one scalar whose innovation and noise variance these are, if it passes the gate.
     Fusion fuse(const ObservationModel& model, float innovation, float variance, float gate,
                 bool keep_tilt = false);

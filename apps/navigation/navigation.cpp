@@ -5,6 +5,8 @@ namespace stator::apps::navigation {
 
 namespace {
 
+// A vehicle that stands is not carried so far between two fixes.
+constexpr double kElsewhere = 1000.0;  // m
 // A longer gap between IMU samples cannot be integrated across.
 constexpr float kLongestGap = 2.0F;  // s
 // The magnetometer and the barometer are thinned to this: more costs time and tells little.
@@ -24,6 +26,18 @@ bool is_finite(const Vector& v) {
     return math::is_finite(v.squaredNorm());
 }
 
+// Of the motors that turn.
+float mean_command(const ActuatorMotors& motors) {
+    float sum = 0.0F;
+    float count = 0.0F;
+    for (const float control : motors.control) {
+        if (!math::is_finite(control)) continue;
+        sum += control;
+        count += 1.0F;
+    }
+    return count > 0.0F ? sum / count : 0.0F;
+}
+
 // A variance from what the receiver says of its error.
 float variance_of(float error, float least) {
     return math::square(error > least ? error : least);
@@ -35,11 +49,13 @@ void Navigation::step(NavigationPorts& ports) {
     const NavigationParams& params = *ports.params;
     if (ports.status)
         disarmed_ = ports.status->arming_state == VehicleStatus::ArmingState::kDisarmed;
+    flies_ = ports.land && !ports.land->landed && !disarmed_ && ports.motors;
+    if (ports.motors) command_ = mean_command(*ports.motors);
     const bool moved_on = read_imu(ports);
     if (!started_) return;
     while (ports.gnss.next()) read_gnss(*ports.gnss, params);
     const float thrust = ports.thrust ? -ports.thrust->xyz[2] : 0.0F;
-    const float wash = ports.params->baro_wash * (math::is_finite(thrust) ? thrust : 0.0F);
+    const float wash = params.baro_wash * (math::is_finite(thrust) ? thrust : 0.0F);
     while (ports.baro.next()) read_baro(*ports.baro, wash);
     while (ports.mag.next()) read_mag(*ports.mag);
     work(params);
@@ -85,6 +101,10 @@ void Navigation::add_imu(uint64_t time_us, const Vector& rate_B, const Navigatio
         return;
     }
     watch_rest(rate, force, dt);
+    if (flies_)
+        doubt_.update(command_, -force.z(), dt);
+    else
+        doubt_.reset();
     window_.add(rate, force, dt);
     if (window_.open_time() + 0.5F * dt < params.step_time) return;
     if (window_.full()) predict(params, true);
@@ -116,15 +136,24 @@ void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params)
     const bool is_known = math::is_finite(fix.latitude_deg) && math::is_finite(fix.longitude_deg) &&
                           math::is_finite(fix.altitude_msl_m);
     const Vector velocity_N(fix.vel_n_m_s, fix.vel_e_m_s, fix.vel_d_m_s);
+    // Where a receiver without a position has it.
+    const bool is_nowhere = fix.latitude_deg == 0.0 && fix.longitude_deg == 0.0;
     const bool is_3d = fix.fix_type >= SensorGps::FixType::kFix3d;
-    if (!is_3d || !is_known || !(fix.eph <= kWorstPosition)) return;
+    if (!is_3d || !is_known || is_nowhere || !(fix.eph <= kWorstPosition)) return;
     if (!has_origin_) {
         frame_ = math::LocalFrame({fix.latitude_deg, fix.longitude_deg});
         origin_us_ = fix.timestamp_sample;
         has_origin_ = true;
     }
     const bool has_height = fix.epv <= kWorstPosition;
-    const auto at = frame_.to_local({fix.latitude_deg, fix.longitude_deg});
+    auto at = frame_.to_local({fix.latitude_deg, fix.longitude_deg});
+    if (disarmed_ && math::abs(at.north) + math::abs(at.east) > kElsewhere) {
+        // The first fix was wrong. Nothing has used the origin yet.
+        frame_ = math::LocalFrame({fix.latitude_deg, fix.longitude_deg});
+        origin_us_ = fix.timestamp_sample;
+        position_aid_ = Aid();
+        at = {};
+    }
     const GnssMeasurement measurement{
         .time_us = fix.timestamp_sample,
         .velocity_N = velocity_N,

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "alignment.hpp"
+#include "doubt.hpp"
 #include "filter.hpp"
 #include "measurements.hpp"
 #include "stator/geodesy.hpp"
@@ -41,6 +42,7 @@ class Navigation {
     bool read_imu(NavigationPorts& ports);
     void add_imu(uint64_t time_us, const Vector& rate_B, const NavigationParams& params);
     void start(const NavigationParams& params);
+    void believe_vertical(const GnssMeasurement& fix, float velocity);
     void watch_rest(const Vector& rate_B, const Vector& force_B, float dt);
 
     // The filter: each returns whether it had something to do.
@@ -88,6 +90,8 @@ class Navigation {
     Vector queued_force_B_ = Vector::Zero();
     float rest_s_ = 0.0F;  // for how long it has been still
     bool disarmed_ = false;
+    bool flies_ = false;   // for certain
+    float command_ = 0.0F;  // the motors' mean
 
     // What the fusion goes on with in the next activation.
     unsigned gnss_next_ = 0;
@@ -101,6 +105,9 @@ class Navigation {
     Aid height_aid_;
     Aid heading_aid_;
     float baro_reference_ = 0.0F;  // m, what the barometer says at the origin
+    bool has_baro_reference_ = false;
+    BaroRate baro_rate_;
+    Doubt doubt_;
 
     math::LocalFrame frame_;
     uint64_t origin_us_ = 0;

@@ -16,6 +16,10 @@ constexpr float kRestVariance = 0.01F;  // m^2/s^2
 constexpr float kFlightVariance = 9.0F;
 // Without the barometer for so long, the receiver's height counts.
 constexpr float kWithoutBaro = 1.0F;  // s
+// Vertical velocities of satellites and barometer that agree, and what is left to doubt then.
+constexpr float kAgrees = 1.5F;            // m/s
+constexpr float kDoubtfulVariance = 1.0F;  // m^2/s^2
+constexpr float kDoubtfulHeight = 4.0F;    // m^2
 // The variance that the heading is given when satellites contradict it for long.
 constexpr float kHeadingInflation = 1.0F;  // rad^2
 // The field's level part must show a direction.
@@ -50,7 +54,7 @@ bool Navigation::predict(const NavigationParams& params, bool at_once) {
     if (window_.empty()) return false;
     const float delay = static_cast<float>(imu_us_ - window_.step_end_us()) * 1e-6F;
     if (!at_once && delay < params.fusion_delay) return false;
-    filter_.predict(window_.take(), params);
+    filter_.predict(window_.take(), params, doubt_.now());
     return true;
 }
 
@@ -100,6 +104,7 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
         axis == 0 ? done.test_ratio : math::max(ratios_.vel_test_ratio, done.test_ratio);
     if (axis == 2) {
         innovations_.gps_vvel = innovation;
+        if (!done.fused()) believe_vertical(fix, fix.velocity_N.z());
         return;
     }
     innovations_.gps_hvel[axis] = innovation;
@@ -116,6 +121,19 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
     velocity_aid_.accept(fix.time_us);
     resets_.delta_vxy = {difference.x(), difference.y()};
     ++resets_.vxy_reset_counter;
+    jumped_ = true;
+}
+
+// Satellites contradict the vertical velocity. If the barometer agrees with them, the inertial
+// solution is what is wrong: two sensors that know nothing of each other are believed at once.
+void Navigation::believe_vertical(const GnssMeasurement& fix, float velocity) {
+    if (!velocity_aid_.started() || !baro_rate_.known()) return;
+    if (math::abs(-baro_rate_.value() - velocity) > kAgrees) return;
+    doubt_.agreed();
+    const float now = velocity + filter_.acceleration_N().z() * age(fix.time_us);
+    filter_.set_vertical_velocity(now, kDoubtfulVariance);
+    // The barometer decides where that was.
+    filter_.set_down(filter_.kinematics().position_N.z(), kDoubtfulHeight);
     jumped_ = true;
 }
 
@@ -165,8 +183,9 @@ bool Navigation::fuse_baro(const NavigationParams& params) {
     const Kinematics& at = filter_.kinematics();
     const float height =
         -(at.position_N.z() - at.velocity_N.z() * age(sample.time_us)) + filter_.baro_offset();
-    const bool first = !height_aid_.started();
-    if (first) baro_reference_ = sample.height - height;
+    baro_rate_.add(sample.time_us, sample.height);
+    if (!has_baro_reference_) baro_reference_ = sample.height - height;
+    has_baro_reference_ = true;
     const float innovation = sample.height - baro_reference_ - height;
     const ObservationModel model{static_cast<ErrorState>(kPosition + 2), -1.0F, kBaroOffset, 1.0F};
     const Fusion done =

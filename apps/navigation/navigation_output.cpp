@@ -12,8 +12,11 @@ constexpr float kCoasting = 1.0F;       // s without satellites that count as de
 constexpr float kGoodPosition = 30.0F;  // m, 1 sigma
 constexpr float kGoodHeight = 10.0F;    // m, 1 sigma
 
-float deviation(float variance) {
-    return math::sqrt(variance);
+constexpr float kGoodVelocity = 2.0F;   // m/s, 1 sigma
+
+// `slow`: what is the same for minutes, so that the filter cannot know it.
+float deviation(float variance, float slow = 0.0F) {
+    return math::sqrt(variance + math::square(slow));
 }
 
 }  // namespace
@@ -74,14 +77,14 @@ VehicleLocalPosition Navigation::local_position(const Kinematics& now,
     result.ay = acceleration_N.y();
     result.az = acceleration_N.z();
     result.heading = math::heading(now.q_NB);
-    result.eph = deviation(position);
-    result.epv = deviation(variance(kPosition + 2));
+    result.eph = deviation(position, params.gnss_slow_error);
+    result.epv = deviation(variance(kPosition + 2), params.baro_slow_error);
     result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1));
     result.evv = deviation(variance(kVelocity + 2));
     result.xy_valid = position_aided && position < math::square(kGoodPosition);
     result.z_valid = height_aided && result.epv < kGoodHeight;
     result.v_xy_valid = velocity_aided || position_aided;
-    result.v_z_valid = result.z_valid;
+    result.v_z_valid = result.z_valid && result.evv < kGoodVelocity && !doubt_.now();
     result.xy_global = has_origin_;
     result.z_global = has_origin_height_;
     result.heading_good_for_control = variance(kHeading) < math::square(kGoodHeading);
@@ -109,10 +112,12 @@ void Navigation::publish_state(NavigationPorts& ports) const {
         EstimatorStatus status = ratios_;
         status.timestamp_sample = filter_.time_us();
         status.pos_horiz_accuracy =
-            deviation(filter_.variance(kPosition) + filter_.variance(kPosition + 1));
-        status.pos_vert_accuracy = deviation(filter_.variance(kPosition + 2));
+            deviation(filter_.variance(kPosition) + filter_.variance(kPosition + 1),
+                      ports.params->gnss_slow_error);
+        status.pos_vert_accuracy =
+            deviation(filter_.variance(kPosition + 2), ports.params->baro_slow_error);
         status.tilt_accuracy = deviation(filter_.variance(kTurn) + filter_.variance(kTurn + 1));
-        status.heading_accuracy = deviation(filter_.variance(kHeading));
+        status.heading_accuracy = deviation(filter_.variance(kHeading), ports.params->mag_slow_error);
         status.late_measurements = late_;
         return status;
     });
