@@ -19,6 +19,7 @@ constexpr float kSteady = 1.5F;  // m/s^2
 constexpr float kFalling = 2.0F;  // m/s^2
 // Blind: an impact counts for longer, and then everything must be quiet.
 constexpr float kHitCounts_s = 2.0F;
+constexpr float kFastestBlind = 3.0F;  // m/s
 constexpr float kQuiet_s = 0.5F;
 constexpr float kQuietRate = 0.3F;  // rad/s
 
@@ -71,6 +72,8 @@ bool LandDetector::has_touched_down(const LandDetectorPorts& ports, float dt) {
         return has_hit_the_ground(ports, dt);
     }
     since_hit_s_ = kHitCounts_s;
+    blind_for_s_ = 0.0F;
+    height_ = ground_z_ - ports.position->z;
     const bool sinks = sinks_steadily(ports);
     if (sinks && ports.position->az < -params.impact) since_impact_s_ = 0.0F;
     const bool is_still = math::abs(ports.position->vz) < params.still;
@@ -90,7 +93,9 @@ bool LandDetector::has_touched_down(const LandDetectorPorts& ports, float dt) {
 // Where no height is known.
 bool LandDetector::has_hit_the_ground(const LandDetectorPorts& ports, float dt) {
     since_hit_s_ = math::min(since_hit_s_ + dt, kHitCounts_s);
-    if (!descends(ports) || !ports.accel || !ports.gyro) return false;
+    blind_for_s_ += dt;
+    const bool may_be_down = kFastestBlind * blind_for_s_ > height_;
+    if (!descends(ports) || !may_be_down || !ports.accel || !ports.gyro) return false;
     const float force = math::norm(math::vector(ports.accel->xyz));
     if (force - kGravity > ports.params->impact) since_hit_s_ = 0.0F;
     const bool is_quiet = math::abs(force_ - kGravity) < kSteady &&

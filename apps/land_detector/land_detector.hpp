@@ -37,6 +37,8 @@ class LandDetector {
     float still_for_s_ = 0.0F;
     float since_impact_s_ = 0.0F;
     float since_hit_s_ = 0.0F;
+    float height_ = 0.0F;  // above the ground, when it was known last
+    float blind_for_s_ = 0.0F;
     uint64_t last_us_ = 0;
 };
 

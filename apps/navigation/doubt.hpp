@@ -16,7 +16,7 @@ class Doubt {
     void update(float command, float lift, float dt) {
         thrust_ += (command - thrust_) * dt / (kRotorLag_s + dt);
         lift_ += (lift - lift_) * dt / (kShake_s + dt);
-        const bool lacks = learned_s_ >= kKnows_s && ratio_ * thrust_ - lift_ > kLacks;
+        const bool lacks = learned_s_ >= kKnows_s && ratio_ * thrust_ - lift_ > math::max(kLacks, kShare * ratio_ * thrust_);
         lacks_for_s_ = lacks ? math::min(lacks_for_s_ + dt, kLasts_s) : 0.0F;
         if (lacks_for_s_ >= kLasts_s) left_s_ = kClears_s;
         left_s_ = math::max(left_s_ - dt, 0.0F);
@@ -33,7 +33,8 @@ class Doubt {
     static constexpr float kRotorLag_s = 0.03F;
     static constexpr float kShake_s = 0.02F;
     static constexpr float kTells = 0.2F;   // less thrust says little
-    static constexpr float kLacks = 7.0F;   // m/s^2; a gust from above takes half of it
+    static constexpr float kLacks = 5.0F;   // m/s^2
+    static constexpr float kShare = 0.65F;  // a storm through tilted rotors takes half of it
     static constexpr float kLasts_s = 0.04F;
     static constexpr float kLearns_s = 5.0F;  // a battery sags more slowly
     static constexpr float kKnows_s = 1.0F;

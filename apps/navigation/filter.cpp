@@ -170,6 +170,15 @@ void Filter::align_heading(float error, float noise_variance, float offset_varia
     covariance_.limit();
 }
 
+void Filter::forget_inertial_errors() {
+    constexpr float kTilt = 0.05F;      // rad
+    constexpr float kGyroBias = 0.03F;  // rad/s
+    constexpr float kAccelBias = 0.5F;  // m/s^2
+    covariance_.reset(kTurn, 2, math::square(kTilt));
+    covariance_.reset(ErrorState::kGyroBias, 3, math::square(kGyroBias));
+    covariance_.reset(ErrorState::kAccelBias, 3, math::square(kAccelBias));
+}
+
 void Filter::shift_mag_offset(float change, float variance) {
     mag_offset_ = math::wrap_pi(mag_offset_ + change);
     covariance_.reset(kMagOffset, 1, variance);

@@ -56,6 +56,8 @@ class Filter {
     void set_down(float down, float variance);
     // Turns by the error that the magnetometer shows, which is known as well as its offset.
     void align_heading(float error, float noise_variance, float offset_variance);
+    // Something was wrong with the inertial sensors: tilt and biases may be, too.
+    void forget_inertial_errors();
     void shift_mag_offset(float change, float variance);
     // Trusts neither the heading nor the magnetometer's offset any more, only their sum.
     void inflate_heading_variance(float variance) {

@@ -99,6 +99,21 @@ class BaroRate {
     unsigned count_ = 0;
 };
 
+// Whether a sensor gives the same sample again and again: a live one has noise.
+class Frozen {
+  public:
+    // Of one sample, any number that changes with each of its values. True after `most` equal ones.
+    bool update(float value, unsigned most) {
+        count_ = value == value_ ? (count_ < most ? count_ + 1 : most) : 0;
+        value_ = value;
+        return count_ >= most;
+    }
+
+  private:
+    float value_ = 0.0F;
+    unsigned count_ = 0;
+};
+
 // Whether a kind of measurement is believed.
 class Aid {
   public:
@@ -119,6 +134,11 @@ class Aid {
         if (!refusing_) refused_us_ = time_us;
         refusing_ = true;
         return static_cast<float>(time_us - refused_us_) * 1e-6F > timeout;
+    }
+    // For how long all were left out.
+    float refused_for(uint64_t now_us) const {
+        if (!refusing_ || now_us < refused_us_) return 0.0F;
+        return static_cast<float>(now_us - refused_us_) * 1e-6F;
     }
     void accept(uint64_t time_us) {
         started_ = true;

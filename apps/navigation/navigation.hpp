@@ -10,6 +10,7 @@
 #pragma once
 
 #include "alignment.hpp"
+#include "disagreement.hpp"
 #include "doubt.hpp"
 #include "filter.hpp"
 #include "measurements.hpp"
@@ -42,6 +43,9 @@ class Navigation {
     bool read_imu(NavigationPorts& ports);
     void add_imu(uint64_t time_us, const Vector& rate_B, const NavigationParams& params);
     void start(const NavigationParams& params);
+    void compare(const GnssMeasurement& fix);
+    bool receiver_is_consistent() const;
+    float contradicts_for(uint64_t time_us);
     void believe_vertical(const GnssMeasurement& fix, float velocity);
     void watch_rest(const Vector& rate_B, const Vector& force_B, float dt);
 
@@ -108,6 +112,21 @@ class Navigation {
     bool has_baro_reference_ = false;
     BaroRate baro_rate_;
     Doubt doubt_;
+    Disagreement disagreement_;
+    // What the receiver's velocity differs by from how its positions change, low-passed.
+    Vector inconsistency_N_ = Vector::Zero();
+    Vector last_fix_N_ = Vector::Zero();
+    uint64_t last_fix_us_ = 0;
+    static constexpr float kProven_s = 5.0F;
+    float proven_s_ = 0.0F;  // of flight in which satellites agreed with the heading
+    float proven_mag_offset_ = 0.0F;
+    float nose_variance() const;  // of the heading, as the output says it
+    uint64_t contradicts_us_ = 0;  // since when; and when last
+    uint64_t contradicted_us_ = 0;
+    bool gnss_height_fits_ = false;
+    Frozen frozen_gyro_;
+    Frozen frozen_gnss_;
+    Frozen frozen_baro_;
 
     math::LocalFrame frame_;
     uint64_t origin_us_ = 0;

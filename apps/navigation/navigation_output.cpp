@@ -9,10 +9,11 @@ namespace {
 constexpr float kSmoothing = 0.25F;     // s
 constexpr float kGoodHeading = 0.35F;   // rad, 1 sigma
 constexpr float kCoasting = 1.0F;       // s without satellites that count as dead reckoning
-constexpr float kGoodPosition = 30.0F;  // m, 1 sigma
+constexpr float kGoodPosition = 20.0F;  // m, 1 sigma
 constexpr float kGoodHeight = 10.0F;    // m, 1 sigma
 
 constexpr float kGoodVelocity = 2.0F;   // m/s, 1 sigma
+constexpr float kGoodLevelVelocity = 4.0F;  // the same for the horizontal one
 
 // `slow`: what is the same for minutes, so that the filter cannot know it.
 float deviation(float variance, float slow = 0.0F) {
@@ -51,6 +52,12 @@ void Navigation::publish(NavigationPorts& ports) {
     });
 }
 
+// A magnetometer's error that appears in flight is the magnetometer's, or the heading's.
+float Navigation::nose_variance() const {
+    const float moved = math::wrap_pi(filter_.mag_offset() - proven_mag_offset_);
+    return filter_.variance(kHeading) + disagreement_.nose() + math::square(moved);
+}
+
 VehicleLocalPosition Navigation::local_position(const Kinematics& now,
                                                 const NavigationParams& params) const {
     const auto variance = [this](unsigned state) { return filter_.variance(state); };
@@ -77,17 +84,18 @@ VehicleLocalPosition Navigation::local_position(const Kinematics& now,
     result.ay = acceleration_N.y();
     result.az = acceleration_N.z();
     result.heading = math::heading(now.q_NB);
-    result.eph = deviation(position, params.gnss_slow_error);
-    result.epv = deviation(variance(kPosition + 2), params.baro_slow_error);
-    result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1));
-    result.evv = deviation(variance(kVelocity + 2));
-    result.xy_valid = position_aided && position < math::square(kGoodPosition);
+    const Disagreement& d = disagreement_;
+    result.eph = deviation(position + d.level_position(), params.gnss_slow_error);
+    result.epv = deviation(variance(kPosition + 2) + d.height(), params.baro_slow_error);
+    result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1) + d.level_velocity());
+    result.evv = deviation(variance(kVelocity + 2) + d.vertical_velocity());
+    result.xy_valid = position_aided && result.eph < kGoodPosition;
     result.z_valid = height_aided && result.epv < kGoodHeight;
-    result.v_xy_valid = velocity_aided || position_aided;
+    result.v_xy_valid = (velocity_aided || position_aided) && result.evh < kGoodLevelVelocity;
     result.v_z_valid = result.z_valid && result.evv < kGoodVelocity && !doubt_.now();
     result.xy_global = has_origin_;
     result.z_global = has_origin_height_;
-    result.heading_good_for_control = variance(kHeading) < math::square(kGoodHeading);
+    result.heading_good_for_control = nose_variance() < math::square(kGoodHeading);
     result.dead_reckoning = !position_aid_.recent(filter_.time_us(), kCoasting) &&
                             !velocity_aid_.recent(filter_.time_us(), kCoasting);
     return result;
@@ -117,7 +125,7 @@ void Navigation::publish_state(NavigationPorts& ports) const {
         status.pos_vert_accuracy =
             deviation(filter_.variance(kPosition + 2), ports.params->baro_slow_error);
         status.tilt_accuracy = deviation(filter_.variance(kTurn) + filter_.variance(kTurn + 1));
-        status.heading_accuracy = deviation(filter_.variance(kHeading), ports.params->mag_slow_error);
+        status.heading_accuracy = deviation(nose_variance(), ports.params->mag_slow_error);
         status.late_measurements = late_;
         return status;
     });

@@ -12,6 +12,8 @@ from stator.diagnostics import ANSWER_IS_NO, UserError
 from stator.emulator.qemu import find_emulator, fly
 from stator.flight.arguments import (
     add_flight_arguments,
+    failures_of,
+    faults_of,
     flight_options,
     is_judged,
     is_recorded,
@@ -61,6 +63,7 @@ def main(arguments: argparse.Namespace) -> int:
     """0 if the flight was successful; 1 if it failed or could not be judged."""
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".emulated")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
+    faults = faults_of(arguments)
     emulator = find_emulator()
     variant = (SLEEP if arguments.sleep else {}) | recording_of(arguments)
     image = build_image(arguments.graph, arguments.board, variant)
@@ -85,7 +88,7 @@ def main(arguments: argparse.Namespace) -> int:
             in_wind=is_windy(arguments),
             setting=setting_of(arguments),
         )
-    facts |= rates_of(arguments)
+    facts |= failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())
     facts["emulator"] = emulator.version

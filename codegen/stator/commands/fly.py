@@ -15,6 +15,8 @@ from stator.diagnostics import ANSWER_IS_NO, UserError, shown_path
 from stator.flight.arguments import (
     USUAL_DURATION_S,
     add_flight_arguments,
+    failures_of,
+    faults_of,
     flight_options,
     is_judged,
     is_recorded,
@@ -70,6 +72,7 @@ def main(arguments: argparse.Namespace) -> int:
     complete(arguments, mission)
     if mission is not None:
         _check_takes_missions(arguments.graph, arguments.board)
+    faults = faults_of(arguments)
     variant = {} if arguments.times == "zero" else PREEMPTION
     times = times_of(arguments)
     program = build(
@@ -95,7 +98,7 @@ def main(arguments: argparse.Namespace) -> int:
             setting=setting_of(arguments, mission),
         )
     facts |= {"mission": arguments.mission.stem if arguments.mission else None}
-    facts |= rates_of(arguments)
+    facts |= failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())
     facts |= {"wind_m_s": arguments.wind, "wind_from_deg": arguments.wind_from}

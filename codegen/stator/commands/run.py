@@ -23,6 +23,8 @@ from stator.diagnostics import (
 )
 from stator.flight.arguments import (
     add_flight_arguments,
+    failures_of,
+    faults_of,
     flight_options,
     is_judged,
     is_recorded,
@@ -142,6 +144,7 @@ def main(arguments: argparse.Namespace) -> int:
     could not be judged; 128 plus the number of the signal that ended it."""
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
+    faults = faults_of(arguments)
     program = build(arguments.graph, arguments.board, recording_of(arguments), executor="pthread")
     flies = _flies(arguments)
     memory = nonvolatile_of(arguments, log)
@@ -166,6 +169,7 @@ def main(arguments: argparse.Namespace) -> int:
         in_wind=is_windy(arguments),
         setting=setting_of(arguments),
     )
+    facts |= failures_of(faults)
     facts["logs_before_restart"] = [str(path.resolve()) for path in earlier]
     facts["nonvolatile"] = nonvolatile_facts(memory, facts.get("nonvolatile"))
     facts |= rates_of(arguments)

@@ -79,6 +79,7 @@ class _Course:
 
     def __init__(self, log: ULog, truth: Mapping[str, Floats], ended: str) -> None:
         self.log, self.ended = log, ended
+        self._rows: dict[str, NDArray[np.int64]] = {}  # of each topic, the newest at each time
         self.time_s = truth["time_us"] * 1e-6
         self.position = np.column_stack([truth[f"position_{axis}"] for axis in "ned"])
         self.velocity = np.column_stack([truth[f"velocity_{axis}"] for axis in "ned"])
@@ -101,16 +102,16 @@ class _Course:
 
     def at(self, topic: str, key: str, before: float = math.nan) -> Floats:
         """A field at the times of the truth; `before` its first sample, and without the topic."""
+        values = np.full(self.time_s.size, before)
         if not self.has(topic):
-            return np.full(self.time_s.size, before)
+            return values
         data = flight_log.topic(self.log, topic)
-        if key not in data:
-            return np.full(self.time_s.size, before)
-        values = newest(
-            flight_log.seconds(data["timestamp"]), data[key].astype(np.float64), self.time_s
-        )
-        first = self.time_s < float(data["timestamp"][0]) * 1e-6
-        values[first] = before
+        if topic not in self._rows:
+            stamp = flight_log.seconds(data["timestamp"])
+            self._rows[topic] = np.searchsorted(stamp, self.time_s, side="right") - 1
+        rows = self._rows[topic]
+        if key in data:
+            values[rows >= 0] = data[key][rows[rows >= 0]].astype(np.float64)
         return values
 
     def _turning(self) -> Rows:

@@ -194,17 +194,23 @@ TEST_F(LandDetectorTest, what_flies_tilted_or_tumbles_has_not_crashed) {
     fly();
     lie(3.1F);
     accel_.xyz = {0.0F, 0.0F, -9.81F};  // its own thrust
+    gyro_.xyz = {0.5F, 0.0F, 0.0F};     // with which it turns back
     run(3.0F);
     EXPECT_FALSE(crashed_);
+    gyro_ = {};  // what does not turn does not fly
+    run(1.6F);
+    EXPECT_TRUE(crashed_);
     lie(3.1F);
     gyro_.xyz = {4.0F, 0.0F, 0.0F};
     run(3.0F);
     EXPECT_FALSE(crashed_);
     lie(0.0F);
     gyro_ = {};
-    accel_.xyz = {0.0F, 0.0F, 9.81F};  // a sensor that is wrong
-    run(3.0F);
+    accel_.xyz = {0.0F, 0.0F, 9.81F};  // a sensor that is wrong, or an attitude
+    run(2.5F);
     EXPECT_FALSE(crashed_);
+    run(1.0F);
+    EXPECT_TRUE(crashed_);
 }
 
 }  // namespace
