@@ -69,6 +69,12 @@ bool Filter::is_finite() const {
     return math::is_finite(sum);
 }
 
+bool Filter::has_impossible_bias() const {
+    constexpr float kNearly = 0.95F;
+    return bias_.accel.cwiseAbs().maxCoeff() > kNearly * kLargestAccelBias ||
+           bias_.gyro.cwiseAbs().maxCoeff() > kNearly * kLargestGyroBias;
+}
+
 void Filter::start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance,
                    float heading_variance, const NavigationParams& params) {
     *this = Filter();

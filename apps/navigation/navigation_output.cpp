@@ -55,7 +55,11 @@ void Navigation::publish(NavigationPorts& ports) {
 // A magnetometer's error that appears in flight is the magnetometer's, or the heading's.
 float Navigation::nose_variance() const {
     const float moved = math::wrap_pi(filter_.mag_offset() - proven_mag_offset_);
-    return filter_.variance(kHeading) + disagreement_.nose() + math::square(moved);
+    // A field that dips turns by twice the tilt's error.
+    constexpr float kThroughTilt = 0.5F;  // rad
+    const float tilted = filter_.has_impossible_bias() ? kThroughTilt : 0.0F;
+    return filter_.variance(kHeading) + disagreement_.nose() + math::square(moved) +
+           math::square(tilted);
 }
 
 VehicleLocalPosition Navigation::local_position(const Kinematics& now,

@@ -14,7 +14,7 @@ from stator import HOME
 from stator.build.cmake import short_name
 from stator.diagnostics import UserError, shown_path
 from stator.flight.invariants import Setting, first_broken
-from stator.flight.log import UnreadableFlight, read_truth_columns
+from stator.flight.log import UnreadableFlight, read_truth_columns, topic
 
 if TYPE_CHECKING:
     import subprocess
@@ -165,7 +165,7 @@ def _judged(
 
     from stator.flight.judge import CALM, IN_WIND, judge
     from stator.flight.log import UnreadableFlight, read_flight, read_truth
-    from stator.flight.mission import judge_mission
+    from stator.flight.mission import judge_mission, modes_of
 
     if log.stat().st_size == 0:
         return {"reason": "cannot judge the flight: the log is empty"}
@@ -179,7 +179,8 @@ def _judged(
         judgement = judge(flight, limits)
     except UnreadableFlight as unreadable:
         return {"reason": str(unreadable)}
-    return _judgement_facts(judgement) | {"limits": limits.as_json()}
+    modes = modes_of(topic(ulog, "vehicle_status"))
+    return _judgement_facts(judgement) | {"limits": limits.as_json(), "modes": modes}
 
 
 def _invariants(

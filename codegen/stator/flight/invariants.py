@@ -13,7 +13,7 @@ import numpy as np
 
 from stator.build.cpp_source import constant
 from stator.flight import log as flight_log
-from stator.flight.judge import place
+from stator.flight.judge import UPSIDE_DOWN_DEG, place
 from stator.flight.log import ARMED, MODES, NAV_STATES, UnreadableFlight, newest
 
 if TYPE_CHECKING:
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 LOW_M = 0.5
 # Beyond this tilt a vehicle on the ground is on its side or upside down.
 FALLEN_DEG = 60.0
-UPSIDE_DOWN_DEG = 120.0
 MOST_TURNING_S = 5.0
 # A vehicle that stood for so long and then leaves the ground takes off; less is a bounce.
 STOOD_S = 1.0

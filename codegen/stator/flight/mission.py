@@ -74,7 +74,7 @@ def judge_mission(log: ULog, flight: Flight, mission: Mission) -> MissionFlight:
     result = MissionFlight()
     limits = USUAL_LIMITS | mission.limits
     status = flight_log.topic(log, "vehicle_status")
-    result.facts |= {"modes": _modes(status), "limits": limits}
+    result.facts |= {"modes": modes_of(status), "limits": limits}
     progress = flight_log.topic(log, "mission_result")
     total = sum(item.kind not in (RETURN, LAND) for item in mission.items)
     reached = int(np.max(progress["seq_reached"], initial=-1)) + 1
@@ -132,7 +132,7 @@ def _measure(
 # --- parts ---
 
 
-def _modes(status: dict[str, NDArray[np.generic]]) -> list[dict[str, object]]:
+def modes_of(status: dict[str, NDArray[np.generic]]) -> list[dict[str, object]]:
     """Each change of arming or mode: its time, the mode, and the failsafe event."""
     rows = np.column_stack(
         [status[key].astype(np.int64) for key in ("arming_state", "nav_state", "failsafe_event")]
