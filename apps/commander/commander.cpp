@@ -60,9 +60,9 @@ void Commander::take_health(const CommanderPorts& ports, float dt) {
     using Warning = BatteryStatus::Warning;
     HealthReport& h = health_;
     h.sensors_ok = ports.gyro && ports.mag && ports.baro && ports.gnss;
-    h.estimator_ok = estimate_holds_.update(
-        knows_height(ports) && knows_position(ports) && sensors_agree(ports), dt,
-        ports.params->settle_time);
+    h.estimator_ok =
+        estimate_holds_.update(knows_height(ports) && knows_position(ports) && sensors_agree(ports),
+                               dt, ports.params->settle_time);
     h.battery_ok =
         ports.battery && ports.battery->connected && ports.battery->warning == Warning::kNone;
     h.motors_ok = hears_motors(ports);

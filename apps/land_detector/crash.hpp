@@ -17,8 +17,8 @@ class Crash {
         const float blend = dt / (kSmoothing_s + dt);
         force_B_ += blend * (force_B - force_B_);
         const float felt = math::norm(force_B_);
-        const bool rests = math::abs(felt - kGravity) < 0.3F * kGravity &&
-                           math::norm(rate_B) < kTumbling;
+        const bool rests =
+            math::abs(felt - kGravity) < 0.4F * kGravity && math::norm(rate_B) < kTumbling;
         const bool lies = rests && force_B_.z() > -kFallen * kGravity;
         for_s_ = lies ? math::min(for_s_ + dt, kAlone_s) : 0.0F;
         const bool looks_fallen = cos_tilt < kFallen;
@@ -30,7 +30,7 @@ class Crash {
 
   private:
     static constexpr float kGravity = 9.80665F;
-    static constexpr float kFallen = 0.45F;      // the cosine of 63 deg
+    static constexpr float kFallen = 0.5F;       // the cosine of 60 deg
     static constexpr float kTumbling = 1.5F;     // rad/s
     static constexpr float kSmoothing_s = 0.1F;  // against vibration
     static constexpr float kLasts_s = 0.7F;

@@ -24,7 +24,8 @@ struct Disagreement {
     float level_velocity() const { return velocity_N.head<2>().squaredNorm(); }
     float vertical_velocity() const { return math::square(velocity_N.z()); }
     float level_position() const {
-        return position_N.head<2>().squaredNorm() + math::square(kJump) * jump_N.head<2>().squaredNorm();
+        return position_N.head<2>().squaredNorm() +
+               math::square(kJump) * jump_N.head<2>().squaredNorm();
     }
     // A receiver's height is off by metres for minutes: only half of it counts.
     float height() const {

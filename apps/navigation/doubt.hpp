@@ -7,8 +7,8 @@ namespace stator::apps::navigation {
 
 // Two things speak against it. In flight the motors' commands say what it should feel: the ratio of
 // the two is learned, and a force that lacks most of the thrust's share for longer than rotors need
-// to spin up is not felt by the vehicle. (More force than thrust explains is the ground, or a gust.)
-// And sensors that do not use it may agree that the inertial solution is wrong: agreed().
+// to spin up is not felt by the vehicle. (More force than thrust explains is the ground, or a
+// gust.) And sensors that do not use it may agree that the inertial solution is wrong: agreed().
 // While in doubt, velocity and height are not valid, and the filter takes what others measure.
 class Doubt {
   public:
@@ -16,7 +16,8 @@ class Doubt {
     void update(float command, float lift, float dt) {
         thrust_ += (command - thrust_) * dt / (kRotorLag_s + dt);
         lift_ += (lift - lift_) * dt / (kShake_s + dt);
-        const bool lacks = learned_s_ >= kKnows_s && ratio_ * thrust_ - lift_ > math::max(kLacks, kShare * ratio_ * thrust_);
+        const bool lacks = learned_s_ >= kKnows_s &&
+                           ratio_ * thrust_ - lift_ > math::max(kLacks, kShare * ratio_ * thrust_);
         lacks_for_s_ = lacks ? math::min(lacks_for_s_ + dt, kLasts_s) : 0.0F;
         if (lacks_for_s_ >= kLasts_s) left_s_ = kClears_s;
         left_s_ = math::max(left_s_ - dt, 0.0F);

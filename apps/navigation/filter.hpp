@@ -38,7 +38,8 @@ class Filter {
     const Vector& acceleration_N() const { return acceleration_N_; }
     float heading_rate() const { return heading_rate_; }
     bool is_finite() const;
-    // A bias has reached what no sensor in order has: something else is wrong, and the tilt with it.
+    // A bias has reached what no sensor in order has: something else is wrong, and the tilt with
+    // it.
     bool has_impossible_bias() const;
 
     // At rest at the origin, with this attitude and this uncertainty of its tilt.

@@ -75,8 +75,7 @@ class BaroRate {
     float value() const {
         float t = 0.0F, h = 0.0F, tt = 0.0F, th = 0.0F;
         for (const Sample& sample : samples_) {
-            const float time =
-                static_cast<float>(sample.time_us - samples_[0].time_us) * 1e-6F;
+            const float time = static_cast<float>(sample.time_us - samples_[0].time_us) * 1e-6F;
             const float height = sample.height - samples_[0].height;
             t += time;
             h += height;

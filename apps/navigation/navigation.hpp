@@ -46,6 +46,7 @@ class Navigation {
     void compare(const GnssMeasurement& fix);
     bool receiver_is_consistent() const;
     float contradicts_for(uint64_t time_us);
+    bool barometer_drifts() const;
     void believe_vertical(const GnssMeasurement& fix, float velocity);
     void watch_rest(const Vector& rate_B, const Vector& force_B, float dt);
 
@@ -94,7 +95,7 @@ class Navigation {
     Vector queued_force_B_ = Vector::Zero();
     float rest_s_ = 0.0F;  // for how long it has been still
     bool disarmed_ = false;
-    bool flies_ = false;   // for certain
+    bool flies_ = false;    // for certain
     float command_ = 0.0F;  // the motors' mean
 
     // What the fusion goes on with in the next activation.
@@ -120,10 +121,11 @@ class Navigation {
     static constexpr float kProven_s = 5.0F;
     float proven_s_ = 0.0F;  // of flight in which satellites agreed with the heading
     float proven_mag_offset_ = 0.0F;
-    float nose_variance() const;  // of the heading, as the output says it
+    float nose_variance() const;   // of the heading, as the output says it
     uint64_t contradicts_us_ = 0;  // since when; and when last
     uint64_t contradicted_us_ = 0;
     bool gnss_height_fits_ = false;
+    bool baro_has_failed_ = false;
     Frozen frozen_gyro_;
     Frozen frozen_gnss_;
     Frozen frozen_baro_;

@@ -17,11 +17,12 @@ constexpr float kFlightVariance = 9.0F;
 // Without the barometer for so long, the receiver's height counts.
 constexpr float kWithoutBaro = 1.0F;  // s
 // Of a receiver's positions and velocities.
-constexpr float kLongestFixGap = 1.0F;  // s
-constexpr float kComparing = 2.0F;      // s
-constexpr float kConsistent = 1.5F;     // m/s
+constexpr float kLongestFixGap = 1.0F;     // s
+constexpr float kComparing = 1.0F;         // s
+constexpr float kConsistent = 1.5F;        // m/s
 constexpr float kHeadingSuspected = 1.5F;  // s
-constexpr float kWitness = 0.5F;        // s of velocities that were left out
+constexpr float kWitnessAgrees = 0.5F;     // m/s
+constexpr float kWitness = 0.5F;           // s of velocities that were left out
 // Parts of an innovation: about 1, 2 and 3 s of fixes, and 1 s of the others.
 constexpr float kFollowVelocity = 0.17F;
 constexpr float kFollowPosition = 0.1F;
@@ -157,7 +158,8 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
     const bool late = velocity_aid_.note(fused, fix.time_us, params.reset_timeout);
     // Positions that move as the velocity says are a second witness against the inertial solution.
     const bool agreed = velocity_aid_.refused_for(fix.time_us) > kWitness &&
-                        receiver_is_consistent() && proven_s_ >= kProven_s;
+                        inconsistency_N_.squaredNorm() < math::square(kWitnessAgrees) &&
+                        proven_s_ >= kProven_s;
     if (!late && !agreed && !first) return;
     if (late && !first && !receiver_is_consistent()) return;  // it contradicts itself
     // Otherwise the heading is what made them differ, or the inertial sensors.
@@ -227,14 +229,36 @@ void Navigation::fuse_height(const GnssMeasurement& fix, const NavigationParams&
     innovations_.gps_vpos = innovation;
     Disagreement::follow(disagreement_.position_N.z(), innovation, kFollowHeight);
     gnss_height_fits_ = math::abs(innovation) < kHeightFits;
+    if (!baro_has_failed_ && barometer_drifts()) {
+        // Satellites' height and velocity are two against one.
+        baro_has_failed_ = true;
+        filter_.set_down(
+            static_cast<float>(origin_height_ - fix.height) + at.velocity_N.z() * age(fix.time_us),
+            fix.height_variance);
+        disagreement_.position_N.z() = disagreement_.baro = 0.0F;
+        height_aid_.accept(fix.time_us);
+        jumped_ = true;
+        return;
+    }
     if (done.fused() && !height_aid_.recent(fix.time_us, kWithoutBaro))
         height_aid_.accept(fix.time_us);
+}
+
+// Satellites see it rise or sink away from where the barometer holds it, and their velocity, too.
+bool Navigation::barometer_drifts() const {
+    constexpr float kHeight = 6.0F;    // m
+    constexpr float kVelocity = 0.2F;  // m/s
+    const float height = disagreement_.position_N.z();
+    const float velocity = disagreement_.velocity_N.z();
+    return flies_ && math::abs(height) > kHeight && math::abs(velocity) > kVelocity &&
+           height * velocity > 0.0F;
 }
 
 bool Navigation::fuse_baro(const NavigationParams& params) {
     if (!is_due(baro_)) return false;
     const BaroMeasurement sample = baro_.front();
     baro_.pop();
+    if (baro_has_failed_) return true;
     const Kinematics& at = filter_.kinematics();
     const float height =
         -(at.position_N.z() - at.velocity_N.z() * age(sample.time_us)) + filter_.baro_offset();

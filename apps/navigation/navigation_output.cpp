@@ -12,7 +12,7 @@ constexpr float kCoasting = 1.0F;       // s without satellites that count as de
 constexpr float kGoodPosition = 20.0F;  // m, 1 sigma
 constexpr float kGoodHeight = 10.0F;    // m, 1 sigma
 
-constexpr float kGoodVelocity = 2.0F;   // m/s, 1 sigma
+constexpr float kGoodVelocity = 2.0F;       // m/s, 1 sigma
 constexpr float kGoodLevelVelocity = 4.0F;  // the same for the horizontal one
 
 // `slow`: what is the same for minutes, so that the filter cannot know it.

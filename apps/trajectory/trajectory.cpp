@@ -16,7 +16,7 @@ constexpr float kLongestStep = 0.1F;
 constexpr float kEndless = 2000.0F;  // m, below any ground
 constexpr float kOutOfReach = 2.0F;  // of the limit of lag: gusts alone do not carry it so far
 constexpr float kLongestLag_s = 1e4F;
-constexpr float kTurnGain = 2.0F;    // 1/s
+constexpr float kTurnGain = 2.0F;  // 1/s
 
 constexpr TrajectorySetpoint kFree{.timestamp = 0,
                                    .position = {kNaN, kNaN, kNaN},

@@ -10,9 +10,9 @@ namespace stator::apps::trajectory {
 
 // Runs at a fixed period. While disarmed, and in modes that do without it, it follows the estimate
 // and leaves every component of the setpoint free. Another goal begins where the setpoint is, so
-// that it never jumps. Descending without a position, it sinks level. A vehicle that lags far behind
-// is waited for, except in a landing: what cannot be reached is not worth staying up for, so the
-// setpoint sinks on and comes along, no further ahead than the limit of lag. On the ground the
+// that it never jumps. Descending without a position, it sinks level. A vehicle that lags far
+// behind is waited for, except in a landing: what cannot be reached is not worth staying up for, so
+// the setpoint sinks on and comes along, no further ahead than the limit of lag. On the ground the
 // sticks move the setpoint only upwards.
 class Trajectory {
   public:

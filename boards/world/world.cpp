@@ -57,7 +57,8 @@ void World::choose_influence(std::uint64_t now_us) {
     if (const auto left = faults.now(FaultKind::kBatteryLow, now_us)) battery_.limit(*left);
     const double height = -plant_.state().position_N.z();
     influence_.wind_N = wind_.at(now_us, height, math::norm(plant_.velocity_in_air_B()));
-    const Vector3 more = faults.now(FaultKind::kWindSpeed, now_us).value_or(0.0) * wind_.direction();
+    const Vector3 more =
+        faults.now(FaultKind::kWindSpeed, now_us).value_or(0.0) * wind_.direction();
     influence_.wind_N += more;
     influence_.supply = supply(now_us);
     influence_.current = battery_.current();

@@ -1,8 +1,9 @@
 // What goes wrong in a simulated flight, and when: --fail WHAT[=VALUE]@SECONDS[+SECONDS].
 //
-// WHAT is one of a few names, or PART.FAULT: a device of the board, `motor_1` to `motor_4`, `motors`
-// or `wind`, and what is wrong with it. Of a sensor, FAULT is [QUANTITY_][AXIS_]NAME, such as offset,
-// accel_offset or accel_z_offset. Stator knows which parts a graph has and what they can do.
+// WHAT is one of a few names, or PART.FAULT: a device of the board, `motor_1` to `motor_4`,
+// `motors` or `wind`, and what is wrong with it. Of a sensor, FAULT is [QUANTITY_][AXIS_]NAME, such
+// as offset, accel_offset or accel_z_offset. Stator knows which parts a graph has and what they can
+// do.
 #pragma once
 
 #include <array>
@@ -24,16 +25,16 @@ enum class FaultKind : std::uint8_t {
     kMotor3,
     kMotor4,
     // Of a sensor.
-    kOffset,      // VALUE is added
-    kDrift,       // VALUE is added a second
-    kStuck,       // the last sample comes again and again
-    kNoise,       // white, of this standard deviation
-    kSpike,       // one sample of a hundred is VALUE off
-    kSaturation,  // no component is beyond VALUE
-    kTimeJump,    // time stamps are VALUE seconds late
-    kDelay,       // samples come VALUE seconds late
-    kDropOut,     // no samples
-    kSwappedAxis, // x and y are exchanged
+    kOffset,       // VALUE is added
+    kDrift,        // VALUE is added a second
+    kStuck,        // the last sample comes again and again
+    kNoise,        // white, of this standard deviation
+    kSpike,        // one sample of a hundred is VALUE off
+    kSaturation,   // no component is beyond VALUE
+    kTimeJump,     // time stamps are VALUE seconds late
+    kDelay,        // samples come VALUE seconds late
+    kDropOut,      // no samples
+    kSwappedAxis,  // x and y are exchanged
     kWrongSign,
     // Of the radio receiver.
     kSilence,     // no frames
@@ -41,12 +42,12 @@ enum class FaultKind : std::uint8_t {
     kStuckStick,  // sticks stay; switches work
     // Of a motor, and of all.
     kLoss,
-    kPartial,       // thrusts VALUE times what it should
-    kMotorStuck,    // the controller holds its last command
+    kPartial,     // thrusts VALUE times what it should
+    kMotorStuck,  // the controller holds its last command
     // Of the battery.
-    kSag,            // VALUE times the voltage
-    kWeakSupply,     // no more than VALUE amperes
-    kDead,           // no voltage
+    kSag,         // VALUE times the voltage
+    kWeakSupply,  // no more than VALUE amperes
+    kDead,        // no voltage
     // Of the wind.
     kWindSpeed,  // VALUE m/s more
 };

@@ -58,7 +58,8 @@ class Spoiler {
                 if (fault.is_of(part_) && fault.acts(now_us)) apply(fault, *measured, now_us);
             }
             const double late = has(FaultKind::kDelay).value_or(0.0);
-            if (!has(FaultKind::kDropOut)) under_way_.push_back({now_us + microseconds(late), *measured});
+            if (!has(FaultKind::kDropOut))
+                under_way_.push_back({now_us + microseconds(late), *measured});
         }
         if (under_way_.empty() || under_way_.front().due_us > now_us) return {};
         const Sample sample = under_way_.front().sample;

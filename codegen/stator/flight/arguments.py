@@ -118,7 +118,10 @@ def flight_options(arguments: argparse.Namespace) -> list[str]:
     options += ["--wind", f"{arguments.wind:.6f}", "--wind-from", f"{arguments.wind_from:.6f}"]
     options += ["--gusts", arguments.gusts, "--vary", "yes" if arguments.vary else "no"]
     options += [
-        word for fault in faults_of(arguments) for text in fault.options() for word in ("--fail", text)
+        word
+        for fault in faults_of(arguments)
+        for text in fault.options()
+        for word in ("--fail", text)
     ]
     if arguments.pilot is not None:
         options += ["--pilot", str(arguments.pilot.resolve())]

@@ -92,8 +92,8 @@ class _Course:
         )
         self.on_ground = truth["on_ground"] != 0.0
         self.mode = self.at("vehicle_status", "nav_state", -1.0)
-        self.armed = self.at("vehicle_status", "arming_state", 0.0) == ARMED
-        self.failsafe = self.at("vehicle_status", "failsafe", 0.0) != 0.0
+        self.armed: Rows = np.equal(self.at("vehicle_status", "arming_state", 0.0), ARMED)
+        self.failsafe: Rows = np.not_equal(self.at("vehicle_status", "failsafe", 0.0), 0.0)
         self.turning = self._turning()
 
     def has(self, topic: str) -> bool:
@@ -227,7 +227,8 @@ def _outside_the_fence(course: _Course, setting: Setting) -> Broken | None:
             fastest = max(float(speed[row]), 0.0)
         braking = FENCE_REACTION_S * fastest + fastest**2 / (2.0 * BRAKING_M_S2)
         if steers[row] and beyond[row] > FENCE_MARGIN_M + braking:
-            text = f"{beyond[row]:.1f} m outside the fence in mode {course.mode_name(row)}"
+            mode = course.mode_name(int(row))
+            text = f"{beyond[row]:.1f} m outside the fence in mode {mode}"
             return course.broken("outside_the_fence", int(row), text)
     return None
 
@@ -244,11 +245,12 @@ def _mode_without_estimate(course: _Course, setting: Setting) -> Broken | None:
     """A mode that needs an estimate is left within 1 s of losing it."""
     if not setting.needs or not course.has("vehicle_local_position"):
         return None
-    stamp = flight_log.seconds(
-        flight_log.topic(course.log, "vehicle_local_position")["timestamp"]
-    )
+    stamp = flight_log.seconds(flight_log.topic(course.log, "vehicle_local_position")["timestamp"])
     silent = course.time_s - newest(stamp, stamp, course.time_s) > 0.5
-    for what, keys in (("height", ("z_valid", "v_z_valid")), ("position", ("xy_valid", "v_xy_valid"))):
+    for what, keys in (
+        ("height", ("z_valid", "v_z_valid")),
+        ("position", ("xy_valid", "v_xy_valid")),
+    ):
         known = ~silent
         for key in keys:
             known &= course.at("vehicle_local_position", key, 0.0) != 0.0
@@ -278,7 +280,13 @@ def _valid_but_wrong(course: _Course, setting: Setting) -> Broken | None:
         ("position", np.linalg.norm(horizontal, axis=1), "eph", "xy_valid", "m"),
         ("height", np.abs(says["z"] - course.position[:, 2]), "epv", "z_valid", "m"),
         ("horizontal velocity", np.linalg.norm(level, axis=1), "evh", "v_xy_valid", "m/s"),
-        ("vertical velocity", np.abs(says["vz"] - course.velocity[:, 2]), "evv", "v_z_valid", "m/s"),
+        (
+            "vertical velocity",
+            np.abs(says["vz"] - course.velocity[:, 2]),
+            "evv",
+            "v_z_valid",
+            "m/s",
+        ),
         ("heading", np.abs(turned), "", "heading_good_for_control", "rad"),
     )
     for name, error, key, valid, unit in figures:

@@ -31,9 +31,7 @@ class RadioSimWorld {
             hands_.throttle = before.throttle;
         }
         if (has(Kind::kPreset)) {
-            hands_ = {.throttle = kThrottleDown,
-                      .mode_slot = hands_.mode_slot,
-                      .arm = hands_.arm};
+            hands_ = {.throttle = kThrottleDown, .mode_slot = hands_.mode_slot, .arm = hands_.arm};
         }
         return RadioSimSample{.timestamp_sample = world.time_us(),
                               .roll = hands_.roll,

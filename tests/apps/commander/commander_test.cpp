@@ -200,7 +200,7 @@ TEST_F(CommanderTest, the_estimate_must_have_been_good_for_a_while) {
 TEST_F(CommanderTest, sensors_that_do_not_agree_keep_it_disarmed) {
     run(4.0F);
     ASSERT_TRUE(health_.estimator_ok);
-    for (float EstimatorStatus::* ratio :
+    for (float EstimatorStatus::*ratio :
          {&EstimatorStatus::vel_test_ratio, &EstimatorStatus::pos_test_ratio,
           &EstimatorStatus::hgt_test_ratio, &EstimatorStatus::mag_test_ratio}) {
         estimator_.*ratio = 0.6F;

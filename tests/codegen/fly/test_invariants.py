@@ -59,9 +59,7 @@ class Flown:
                 "arming_state": np.where(self.armed, 2, 1),
                 "failsafe": self.failsafe,
             },
-            "actuator_motors": {
-                f"control[{i}]": control if i < 4 else nan for i in range(12)
-            },
+            "actuator_motors": {f"control[{i}]": control if i < 4 else nan for i in range(12)},
             "manual_control_setpoint": {"throttle": self.throttle},
             "vehicle_local_position": {
                 **{"x": self.north, "y": 0 * one, "z": -self.up + self.off_m},

@@ -1,4 +1,5 @@
-"""Random flights of the quad outdoors: a random mission, wind and faults, judged by the invariants."""
+"""Random flights of the quad outdoors: mission, wind and faults from a seed; judged by the
+invariants."""
 
 from __future__ import annotations
 
