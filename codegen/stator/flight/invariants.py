@@ -90,7 +90,7 @@ class _Course:
         self.heading = np.arctan2(
             2.0 * (q[0] * q[3] + q[1] * q[2]), 1.0 - 2.0 * (q[2] ** 2 + q[3] ** 2)
         )
-        self.on_ground = truth["on_ground"] != 0.0
+        self.on_ground: Rows = np.not_equal(truth["on_ground"], 0.0)
         self.mode = self.at("vehicle_status", "nav_state", -1.0)
         self.armed: Rows = np.equal(self.at("vehicle_status", "arming_state", 0.0), ARMED)
         self.failsafe: Rows = np.not_equal(self.at("vehicle_status", "failsafe", 0.0), 0.0)
@@ -116,9 +116,10 @@ class _Course:
     def _turning(self) -> Rows:
         """Whether the software lets a motor turn."""
         if not self.has("actuator_motors"):
-            return self.armed
+            armed: Rows = self.armed
+            return armed
         commands = np.column_stack([self.at("actuator_motors", f"control[{i}]") for i in range(12)])
-        turning: Rows = np.isfinite(commands).any(axis=1)
+        turning: Rows = np.sum(np.isfinite(commands), axis=1) > 0
         return turning
 
     def is_in(self, modes: tuple[str, ...]) -> Rows:
