@@ -1,6 +1,11 @@
-"""Order of the tests: what takes long by itself comes first, and so is not left for the end."""
+"""Order of the tests: what takes long by itself comes first, and so is not left for the end. And no
+progress on standard error, which depends on the load of the machine."""
+
+import os
 
 import pytest
+
+os.environ["STATOR_PROGRESS"] = "off"
 
 FIRST = ("flight/can_bus", "drivers/can", "codegen/replay", "flight/", "codegen/image")
 

@@ -44,6 +44,13 @@ bool hears_motors(const CommanderPorts& ports) {
     return (ports.escs->esc_online_flags & all) == all;
 }
 
+bool is_outside_fence(const CommanderPorts& ports) {
+    if (!ports.fence) return false;
+    const GeofenceResult& fence = *ports.fence;
+    return fence.geofence_max_dist_triggered || fence.geofence_max_alt_triggered ||
+           fence.geofence_custom_fence_triggered;
+}
+
 bool is_flown_by_hand(Nav mode) {
     return mode == Nav::kManual || mode == Nav::kStabilized || mode == Nav::kAltitude;
 }
@@ -71,17 +78,6 @@ void Commander::take_health(const CommanderPorts& ports, float dt) {
     h.mission_ok = wish_ != Nav::kMission || (ports.result && ports.result->valid);
     h.can_arm = h.sensors_ok && h.estimator_ok && h.battery_ok && h.motors_ok && h.rc_ok &&
                 h.logging_ok && h.mission_ok;
-}
-
-bool Commander::is_outside_fence(const CommanderPorts& ports) const {
-    if (!is_armed_ || !knows_height(ports) || !knows_position(ports)) return false;
-    const VehicleLocalPosition& p = *ports.position;
-    float radius = ports.params->fence_radius;
-    float height = ports.params->fence_height;
-    if (ports.mission && ports.mission->fence_radius > 0.0F) radius = ports.mission->fence_radius;
-    if (ports.mission && ports.mission->fence_height > 0.0F) height = ports.mission->fence_height;
-    const float away = math::sqrt(math::square(p.x - home_.x) + math::square(p.y - home_.y));
-    return (radius > 0.0F && away > radius) || (height > 0.0F && home_.z - p.z > height);
 }
 
 // Before the first take-off it is on the ground; then only after it has landed for a while.

@@ -23,7 +23,6 @@ class Commander {
     void take_health(const CommanderPorts& ports, float dt);
     void take_place(const CommanderPorts& ports, float dt);
     void take_events(const CommanderPorts& ports, float dt);
-    bool is_outside_fence(const CommanderPorts& ports) const;
     void take_wish(const CommanderPorts& ports, float dt);
     void take_arm_switch(const CommanderPorts& ports, float dt);
     void fly(const CommanderPorts& ports, float dt);

@@ -121,8 +121,7 @@ void Logger::write_changes(LoggerPorts& ports, const LogChanges& changes) {
         Pin pin;
         if (!has_unread(topic, changes.seen[i])) continue;
         if (!take_latest(topic, changes.seen[i], pin)) continue;
-        const auto* samples = static_cast<const std::byte*>(topic.samples);
-        write_changes_of(ports, changes, i, samples + size_t{pin.slot} * topic.sample_bytes);
+        write_changes_of(ports, changes, i, sample_of(topic, pin));
         changes.seen[i] = number_of(topic, pin);
         release(topic, pin);
     }
@@ -152,8 +151,7 @@ void Logger::write_samples(LoggerPorts& ports) {
         const LogTopic& row = table.topics[id];
         Pin pin;
         while (has_room() && take_logged(row, ports.now, pin)) {
-            const auto* samples = static_cast<const std::byte*>(row.topic->samples);
-            write_sample(ports, row, id, samples + size_t{pin.slot} * row.topic->sample_bytes);
+            write_sample(ports, row, id, sample_of(*row.topic, pin));
             release(*row.topic, pin);
         }
         lost += row.cursor->lost;

@@ -1,4 +1,4 @@
-// Goals of take-off, mission, return and landing.
+// Goals of take-off, return and landing; what all modes share.
 #include "navigator.hpp"
 
 #include "stator/elapsed.hpp"
@@ -14,9 +14,11 @@ constexpr float kShortestStep = 1e-3F;
 constexpr float kLongestStep = 1.0F;
 // The way to a nearer place says nothing of where to look.
 constexpr float kLooksFrom = 1.0F;  // m
-// A place where the vehicle rests is reached when it is this near, or after this time there.
-constexpr float kNearEnough = 0.5F;  // m
-constexpr float kSettled_s = 4.0F;
+// A descent that gains no height for so long is blocked, or cannot reach its place: it goes on.
+constexpr float kSinks = 0.2F;  // m
+constexpr float kPatience_s = 5.0F;
+// Below the fence's ceiling, so that noise does not reach it.
+constexpr float kBelowCeiling = 0.9F;
 
 }  // namespace
 
@@ -25,19 +27,17 @@ void Navigator::take_inputs(const NavigatorPorts& ports) {
         const VehicleLocalPosition& p = *ports.position;
         if (p.xy_valid) position_N_.head<2>() << p.x, p.y;
         if (p.z_valid) position_N_.z() = p.z;
+        heading_ = p.heading;
     }
-    if (ports.home) home_ = *ports.home;
+    if (!is_armed_) {
+        home_N_ = position_N_;
+    } else if (ports.home) {
+        home_N_ = Vector3<float>(ports.home->x, ports.home->y, ports.home->z);
+    }
+    if (ports.position) frame_.update(*ports.position, home_N_);
+    if (is_armed_ && home_N_.z() - position_N_.z() > kHasLeftGround) has_left_ground_ = true;
     has_arrived_ =
         ports.progress && ports.progress->goal == goal_.number && ports.progress->is_done;
-    if (!ports.mission || !ports.position) {
-        mission_is_valid_ = false;
-        return;
-    }
-    // On the ground home is here.
-    const Eigen::Vector2f here_N = position_N_.head<2>();
-    const Eigen::Vector2f home_N = is_armed_ ? Eigen::Vector2f(home_.x, home_.y) : here_N;
-    origin_N_ = origin_N(*ports.mission, *ports.position, home_N);
-    mission_is_valid_ = is_flyable(*ports.mission, origin_N_, home_N, ports.params->farthest);
 }
 
 // --- goals ---
@@ -48,11 +48,12 @@ void Navigator::start(GotoSetpoint::Kind kind) {
     has_arrived_ = false;
 }
 
-void Navigator::go(const Vector3<float>& position_N, float heading, float speed) {
+void Navigator::go(const Vector3<float>& position_N, float heading,
+                   const Sequence::Speeds& speeds) {
     goal_.position = math::to_array(position_N);
     goal_.heading = heading;
-    goal_.max_horizontal_speed = speed;
-    goal_.max_vertical_speed = kNaN;
+    goal_.max_horizontal_speed = speeds.horizontal;
+    goal_.max_vertical_speed = position_N.z() < position_N_.z() ? speeds.climb : speeds.descent;
     start(GotoSetpoint::Kind::kPosition);
 }
 
@@ -69,27 +70,41 @@ void Navigator::finish(Nav next) {
 
 // --- modes ---
 
-void Navigator::begin_mode(const NavigatorPorts& ports) {
+// The landing of a mission or a return keeps its place; a mission that waits does so in hold.
+void Navigator::begin_mode() {
+    const bool follows = is_finished_ && next_ == nav_state_;
+    if (!follows || nav_state_ != Nav::kLand) land_N_.setConstant(kNaN);
+    if (!follows || nav_state_ == Nav::kHold) speeds_ = {};
+    waits_ = waits_ && follows && nav_state_ == Nav::kHold;
     phase_ = 0;
     in_phase_s_ = 0.0F;
     is_finished_ = false;
     goal_.heading = kNaN;
     start(GotoSetpoint::Kind::kStop);
+    if (nav_state_ != Nav::kMission) return;
     // A mission goes on with the whole of the item where it was left; one that was over begins
     // again.
-    if (ports.mission && current_ >= ports.mission->count) current_ = 0;
+    if (is_over_) sequence_.restart();
+    is_over_ = false;
+    sequence_.go_back_to_place();
 }
 
-void Navigator::advance(const NavigatorPorts& ports) {
+void Navigator::advance(const NavigatorPorts& ports, float dt) {
     switch (nav_state_) {
         case Nav::kTakeoff:
             return advance_takeoff(ports);
         case Nav::kMission:
-            return advance_mission(ports);
+            return advance_mission(ports, dt);
         case Nav::kReturn:
             return advance_return(ports);
         case Nav::kLand:
+            if (has_stopped_sinking(dt)) has_arrived_ = true;
             return advance_landing(ports);
+        case Nav::kHold: {
+            const float most = ports.params->wait_limit;
+            if (waits_ && most > 0.0F && in_phase_s_ >= most) finish(Nav::kReturn);
+            return;
+        }
         default:
             return;
     }
@@ -97,140 +112,120 @@ void Navigator::advance(const NavigatorPorts& ports) {
 
 void Navigator::advance_takeoff(const NavigatorPorts& ports) {
     if (phase_ == 0 && in_phase_s_ >= ports.params->spool_up_time) {
-        const float z = home_.z - ports.params->takeoff_height;
-        go({position_N_.x(), position_N_.y(), math::min(z, position_N_.z())}, kNaN, kNaN);
+        const float z = home_N_.z() - ports.params->takeoff_height;
+        go({position_N_.x(), position_N_.y(), math::min(z, position_N_.z())}, kNaN, {});
         phase_ = 1;
     } else if (phase_ == 1 && has_arrived_) {
         finish(Nav::kHold);
     }
 }
 
-Item Navigator::item(const NavigatorPorts& ports) const {
-    return item_at(*ports.mission, current_, origin_N_, home_.z);
-}
-
-void Navigator::begin_item(const NavigatorPorts& ports) {
-    const Item next = item(ports);
-    phase_ = 1;
-    in_phase_s_ = 0.0F;
-    switch (next.kind) {
-        case ItemKind::kTakeoff:
-            return go({position_N_.x(), position_N_.y(), next.position_N.z()}, kNaN, kNaN);
-        case ItemKind::kReturn:
-            return finish(Nav::kReturn);
-        default: {
-            const bool looks = math::is_finite(next.heading) && next.kind != ItemKind::kEight;
-            return go(next.position_N, looks ? next.heading : heading_to(next.position_N),
-                      next.speed);
-        }
+// Home or a rally point, whichever is nearest.
+void Navigator::choose_return_place() {
+    return_N_ = home_N_;
+    const auto away2 = [this](const Vector3<float>& place_N) {
+        const Vector3<float> way = place_N - position_N_;
+        return way.x() * way.x() + way.y() * way.y();
+    };
+    for (unsigned i = 0; i < rally_read_; ++i) {
+        if (away2(rally_N_[i]) < away2(return_N_)) return_N_ = rally_N_[i];
     }
+    land_N_ = return_N_;
 }
 
-// A stop is reached when the setpoint rests there and the vehicle is near, too, or has had the
-// time; without a stop, when the vehicle is near.
-bool Navigator::item_is_reached(const Item& item) const {
-    const float away = math::norm(item.position_N - position_N_);
-    const bool passes = item.kind == ItemKind::kWaypoint && item.hold == 0.0F;
-    if (passes) return away < item.radius;
-    if (item.kind == ItemKind::kTakeoff) return has_arrived_;
-    return has_arrived_ && (away < kNearEnough || in_phase_s_ > kSettled_s);
-}
-
-// Phase 0: an item begins; 1: on the way; 2: there.
-void Navigator::advance_mission(const NavigatorPorts& ports) {
-    if (!ports.mission || !mission_is_valid_ || is_finished_) return;
-    // A shorter one may have taken its place in flight.
-    if (current_ >= ports.mission->count) return finish(Nav::kHold);
-    if (phase_ == 0) {
-        const bool on_ground = current_ == 0 && reached_ < 0;
-        if (on_ground && in_phase_s_ < ports.params->spool_up_time) return;
-        return begin_item(ports);
-    }
-    const Item now = item(ports);
-    if (phase_ == 1) {
-        if (!has_arrived_) in_phase_s_ = 0.0F;
-        if (!item_is_reached(now)) return;
-        phase_ = 2;
-        in_phase_s_ = 0.0F;
-        if (now.kind == ItemKind::kEight) {
-            goal_.heading = math::is_finite(now.heading) ? now.heading : 0.0F;
-            goal_.length = now.radius;
-            goal_.laps = now.hold;
-            start(GotoSetpoint::Kind::kEight);
-            return;
-        }
-    }
-    const bool is_over = now.kind == ItemKind::kEight ? has_arrived_ : in_phase_s_ >= now.hold;
-    if (!is_over) return;
-    reached_ = static_cast<int>(current_);
-    if (now.kind == ItemKind::kLand) return finish(Nav::kLand);
-    ++current_;
-    phase_ = 0;
-    if (current_ >= ports.mission->count) return finish(Nav::kHold);
-    begin_item(ports);
-}
-
-// Phase 0: begins; 1: up; 2: home; then it lands.
+// Phase 0: begins; 1: up; 2: there; then it lands.
 void Navigator::advance_return(const NavigatorPorts& ports) {
-    const Vector3<float> home_N(home_.x, home_.y, home_.z);
     if (phase_ == 0) {
-        const bool is_home =
-            math::norm(home_N.head<2>() - position_N_.head<2>()) < ports.params->home_radius;
-        const float z = math::min(position_N_.z(), home_N.z() - ports.params->return_height);
+        choose_return_place();
+        const Vector3<float> way = return_N_ - position_N_;
+        const bool is_there = math::norm(way.head<2>()) < ports.params->home_radius;
+        const float ceiling = fence_.limits(usual_fence(ports)).height;
+        float height = math::max(ports.params->return_height, home_N_.z() - return_N_.z());
+        if (ceiling > 0.0F) height = math::min(height, kBelowCeiling * ceiling);
+        const float z = math::min(position_N_.z(), home_N_.z() - height);
         phase_ = 1;
-        if (!is_home) return go({position_N_.x(), position_N_.y(), z}, kNaN, kNaN);
+        if (!is_there) return go({position_N_.x(), position_N_.y(), z}, kNaN, speeds_);
         has_arrived_ = true;
     }
     if (phase_ == 1 && has_arrived_) {
-        const Vector3<float> above_N(home_N.x(), home_N.y(), position_N_.z());
+        const Vector3<float> above_N(return_N_.x(), return_N_.y(), position_N_.z());
         phase_ = 2;
-        return go(above_N, heading_to(above_N), kNaN);
+        return go(above_N, heading_to(above_N), speeds_);
     }
     if (phase_ == 2 && has_arrived_) finish(Nav::kLand);
 }
 
+bool Navigator::has_stopped_sinking(float dt) {
+    if (phase_ != 1 || position_N_.z() > lowest_ + kSinks) {
+        lowest_ = position_N_.z();
+        since_lowest_s_ = 0.0F;
+    }
+    since_lowest_s_ += dt;
+    return phase_ == 1 && since_lowest_s_ > kPatience_s;
+}
+
 // Phase 0: stops; 1: down fast; 2: down slowly, until the commander disarms.
 void Navigator::advance_landing(const NavigatorPorts& ports) {
-    if (!has_arrived_ || phase_ == 2) return;
+    const bool has_waited = phase_ == 0 && in_phase_s_ > kPatience_s;
+    if ((!has_arrived_ && !has_waited) || phase_ == 2) return;
     ++phase_;
-    const float z = home_.z - ports.params->landing_height;
+    const float z = home_N_.z() - ports.params->landing_height;
     if (phase_ == 1 && position_N_.z() < z) {
         // From where the setpoint rests, which is where the last goal was if that was reached.
         const bool is_near =
             math::norm(math::vector(goal_.position).head<2>() - position_N_.head<2>()) < kLooksFrom;
         const Vector3<float> here = is_near ? math::vector(goal_.position) : position_N_;
-        return go({here.x(), here.y(), z}, kNaN, kNaN);
+        return go({here.x(), here.y(), z}, kNaN, speeds_);
     }
     phase_ = 2;
     start(GotoSetpoint::Kind::kLand);
 }
 
 void Navigator::step(NavigatorPorts& ports) {
-    in_phase_s_ += seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
-    take_inputs(ports);
+    const float dt = seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
+    in_phase_s_ += dt;
     const bool armed =
         ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
-    if (armed && !is_armed_) {
-        current_ = 0;
-        reached_ = -1;
-    }
     const bool begins = armed && (!is_armed_ || ports.status->nav_state != nav_state_);
+    if (armed && !is_armed_) {
+        sequence_.restart();
+        is_over_ = false;
+        has_left_ground_ = false;
+        reached_ = -1;
+        is_finished_ = false;
+    }
     is_armed_ = armed;
+    take_inputs(ports);
+    reader_.begin(ports);
     if (begins) {
         nav_state_ = ports.status->nav_state;
-        begin_mode(ports);
+        begin_mode();
     }
-    if (armed && !is_finished_) advance(ports);
+    if (armed && !is_finished_) advance(ports, dt);
+    read_plans(ports);
+    reader_.finish(ports, dt);
+    watch_fence(ports);
+    publish(ports);
+}
+
+void Navigator::publish(NavigatorPorts& ports) {
+    const Fault fault = this->fault(ports);
     const uint16_t count = ports.mission ? ports.mission->count : 0;
     ports.goal.publish([&] { return goal_; });
     ports.result.publish([&] {
-        return MissionResult{.seq_reached = reached_,
-                             .seq_current = static_cast<uint16_t>(current_),
+        return MissionResult{.mission_id = ports.mission ? ports.mission->mission_id : 0,
+                             .seq_reached = reached_,
+                             .seq_current = static_cast<uint16_t>(sequence_.current()),
                              .seq_total = count,
-                             .valid = mission_is_valid_,
+                             .fault_seq = static_cast<uint16_t>(fault_item_),
+                             .valid = fault == Fault::kNone,
                              .finished = is_finished_,
                              .nav_state = static_cast<uint8_t>(nav_state_),
-                             .next_nav_state = static_cast<uint8_t>(next_)};
+                             .next_nav_state = static_cast<uint8_t>(next_),
+                             .fault = fault,
+                             .waits = waits_,
+                             .land_x = land_N_.x(),
+                             .land_y = land_N_.y()};
     });
 }
 

@@ -52,6 +52,20 @@ Leg Leg::line(const Vector3<float>& way, const ProfileLimits& limits) {
     return leg;
 }
 
+// r (cos p - 1) along the axis and r sin p across: clockwise for p above 0.
+Leg Leg::circle(float bearing, float radius, float turns, const ProfileLimits& limits) {
+    Leg leg;
+    leg.radius_ = radius;
+    leg.axis_ = unit(bearing);
+    leg.across_ =
+        unit(turns < 0.0F ? bearing - math::kHalfPi<float> : bearing + math::kHalfPi<float>);
+    // The acceleration inwards, too, stays within the limit.
+    const float speed = math::min(limits.speed, math::sqrt(limits.acceleration * radius));
+    leg.profile_ = Profile(math::kTwoPi<float> * math::abs(turns),
+                           {speed / radius, limits.acceleration / radius, limits.jerk / radius});
+    return leg;
+}
+
 // In the middle the speed is sqrt(2) A p': the limits are those of p.
 Leg Leg::eight(float heading, float length, float laps, const ProfileLimits& limits) {
     Leg leg;
@@ -67,6 +81,13 @@ Leg Leg::eight(float heading, float length, float laps, const ProfileLimits& lim
 
 PathState Leg::at(float time) const {
     const Along along = profile_.at(time);
+    if (radius_ != 0.0F) {
+        const math::SinCos<float> phase = math::sincos(along.distance);
+        const Vector3<float> out = radius_ * (phase.cos * axis_ + phase.sin * across_);
+        const Vector3<float> tangent = radius_ * (phase.cos * across_ - phase.sin * axis_);
+        return {out - radius_ * axis_, along.speed * tangent,
+                along.acceleration * tangent - math::square(along.speed) * out};
+    }
     if (half_length_ == 0.0F) {
         return {axis_ * along.distance, axis_ * along.speed, axis_ * along.acceleration};
     }

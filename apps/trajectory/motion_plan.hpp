@@ -35,7 +35,7 @@ class Stop {
     float duration_ = 0.0F;
 };
 
-// From rest to rest along a straight line, or round an eight, which is
+// From rest to rest along a straight line, round a circle, or round an eight, which is
 //
 //     (A sin p, A/2 sin 2p)     p from 0 to 2 pi times the laps
 //
@@ -44,6 +44,8 @@ class Leg {
   public:
     Leg() = default;  // stays
     static Leg line(const math::Vector3<float>& way, const ProfileLimits& limits);
+    // Round a middle that lies at `bearing` + pi: `bearing` leads from there to where it begins.
+    static Leg circle(float bearing, float radius, float turns, const ProfileLimits& limits);
     static Leg eight(float heading, float length, float laps, const ProfileLimits& limits);
 
     float duration() const { return profile_.duration(); }
@@ -52,8 +54,9 @@ class Leg {
 
   private:
     math::Vector3<float> axis_ = math::Vector3<float>::Zero();
-    math::Vector3<float> across_ = math::Vector3<float>::Zero();  // zero: a line
-    float half_length_ = 0.0F;
+    math::Vector3<float> across_ = math::Vector3<float>::Zero();
+    float half_length_ = 0.0F;  // of an eight; 0: none
+    float radius_ = 0.0F;       // of a circle; 0: none
     Profile profile_;
 };
 

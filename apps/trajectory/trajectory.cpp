@@ -125,6 +125,11 @@ Leg Trajectory::leg_to(const GotoSetpoint& goal, const Vector3<float>& rest) con
         case GotoSetpoint::Kind::kLand:
             return Leg::line({0.0F, 0.0F, kEndless},
                              {l.landing_rate, l.vertical_acceleration, l.jerk});
+        case GotoSetpoint::Kind::kCircle: {
+            const Vector3<float> out = rest - math::vector(goal.position);
+            return Leg::circle(math::atan2(out.y(), out.x()), goal.length, goal.laps,
+                               {l.speed, l.eight_acceleration, l.jerk});
+        }
         case GotoSetpoint::Kind::kEight:
             return Leg::eight(math::is_finite(goal.heading) ? goal.heading : 0.0F, goal.length,
                               goal.laps, {l.speed, l.eight_acceleration, l.jerk});

@@ -16,6 +16,7 @@
 #include <cstring>
 
 #include "devices.hpp"
+#include "mission_memory.hpp"
 #include "nonvolatile.hpp"
 #include "real_world.hpp"
 #include "run_options.hpp"
@@ -175,6 +176,9 @@ void print(const board::RealWorld& world, double wall_s) {
     // Threads do not interrupt each other where a program could count it.
     std::printf("\"unrecorded_activations\": %llu, ",
                 static_cast<unsigned long long>(recording_counts().lost));
+    const char* const refused = refused_publications.newest.load();
+    std::printf("\"refused_publications\": %u, \"refused_output\": \"%s\", ",
+                refused_publications.count.load(), refused == nullptr ? "" : refused);
     std::printf("\"missed_life_signs\": %llu, ", static_cast<unsigned long long>(missed_life_signs(
                                                      program.watched, program.watched_count)));
     print_refusals();
@@ -208,6 +212,7 @@ int main(int count, char** arguments) {
     if (!world::parse(count, arguments, options)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
     if (run.nonvolatile != nullptr && !board::open_nonvolatile(run.nonvolatile)) return 2;
+    if (options.mission != nullptr && !board::open_mission(options.mission)) return 2;
     board::RealWorld world(options.conditions, truth);
     connect(world);
     if (run.can_interface != nullptr && !connect_can(world, run)) return 2;

@@ -33,6 +33,7 @@ semihosting::File to_plant;
 semihosting::File from_plant;
 semihosting::File log_file;
 semihosting::File nonvolatile_file;
+semihosting::File mission_file;
 uint64_t missed_samples = 0;
 
 // The register write of the motor driver.
@@ -62,6 +63,13 @@ void open_nonvolatile() {
         is_whole = is_whole && nonvolatile_file.write(kBlank.data(), kBlank.size());
     }
     require(is_whole, "cannot make the file of the nonvolatile memory");
+}
+
+bool read_mission(uint32_t address, std::span<uint8_t> bytes) {
+    return mission_file.seek(address) && mission_file.read(bytes.data(), bytes.size());
+}
+bool write_mission(uint32_t address, std::span<const uint8_t> bytes) {
+    return mission_file.seek(address) && mission_file.write(bytes.data(), bytes.size());
 }
 
 [[noreturn]] void finish() {
@@ -136,6 +144,10 @@ void prepare() {
     system0.restart = restart_or_finish;
     open_nonvolatile();
     nonvolatile0 = {.read = read_nonvolatile, .write = write_nonvolatile};
+    if (mission_file.open(link::kMission, semihosting::Mode::kChange)) {
+        mission0.read = read_mission;
+        mission0.write = write_mission;
+    }
 }
 
 void start() {

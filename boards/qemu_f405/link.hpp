@@ -14,6 +14,7 @@ inline constexpr char kToPlant[] = "to_plant";
 inline constexpr char kFromPlant[] = "from_plant";
 inline constexpr char kLog[] = "flight.ulg";
 inline constexpr char kNonvolatile[] = "nonvolatile";
+inline constexpr char kMission[] = "mission";  // need not be there
 // As a word for the firmware: start again after a fault or when asked to, instead of ending the
 // emulation.
 inline constexpr char kRestart[] = "restart";

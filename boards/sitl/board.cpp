@@ -23,6 +23,7 @@ std::optional<world::World> the_world;
 world::CanBus can_bus;
 std::optional<Sensors> sensors;
 std::optional<world::CanParts> can_parts;
+std::FILE* mission_file = nullptr;
 std::FILE* truth_file = nullptr;
 bool truth_was_written = false;
 std::array<std::uint8_t, NonvolatileSim::kBytes> nonvolatile_memory{};
@@ -82,12 +83,9 @@ void measure() {
     hand_over(samples, Give{});
 }
 
-// A mission without items stands for one that was lost.
-void lose_mission() {
-    if (!the_world->has_fault(world::FaultKind::kMissionLoss)) return;
-    if (mission0.mission.count == 0) return;
-    mission0.mission.count = 0;
-    ++mission0.version;
+bool seek_mission(std::uint32_t address) {
+    return mission_file != nullptr &&
+           std::fseek(mission_file, static_cast<long>(address), SEEK_SET) == 0;
 }
 
 void record_truth() {
@@ -97,14 +95,16 @@ void record_truth() {
 
 }  // namespace
 
-void prepare(world::Conditions conditions, const Mission* mission, std::FILE* truth) {
-    if (mission != nullptr) {
-        mission0 = {.mission = *mission, .version = 1};
-        if (math::is_finite(mission->origin_lat)) {
-            conditions.earth.latitude_deg = mission->origin_lat;
-            conditions.earth.longitude_deg = mission->origin_lon;
-        }
-    }
+void prepare(const world::Conditions& conditions, std::FILE* mission, std::FILE* truth) {
+    mission_file = mission;
+    mission0.read = [](std::uint32_t address, std::span<std::uint8_t> bytes) {
+        return seek_mission(address) &&
+               std::fread(bytes.data(), 1, bytes.size(), mission_file) == bytes.size();
+    };
+    mission0.write = [](std::uint32_t address, std::span<const std::uint8_t> bytes) {
+        return seek_mission(address) &&
+               std::fwrite(bytes.data(), 1, bytes.size(), mission_file) == bytes.size();
+    };
     the_world.emplace(conditions);
     sensors.emplace(*the_world);
     can_parts.emplace(*the_world, [](const dronecan::Frame& frame, std::uint64_t now_us) {
@@ -145,7 +145,6 @@ void advance(std::uint64_t now_us) {
         the_world->move_to_next_event();
         measure();
         run_can_parts();
-        lose_mission();
         record_truth();
     }
     if (the_world->is_over()) stop();

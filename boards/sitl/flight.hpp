@@ -3,14 +3,13 @@
 
 #include <cstdio>
 
-#include "messages/mission.hpp"
 #include "world/world.hpp"
 
 namespace stator::board {
 
-// Before the graph starts: makes the world. It lies where the mission has its origin, if that has a
-// place on Earth. `mission` and `truth`, which takes the true flight, may be null.
-void prepare(world::Conditions conditions, const Mission* mission, std::FILE* truth);
+// Before the graph starts: makes the world. `mission`, the memory of the mission device, and
+// `truth`, which takes the true flight, may be null.
+void prepare(const world::Conditions& conditions, std::FILE* mission, std::FILE* truth);
 
 const world::World& world();
 bool truth_is_whole();

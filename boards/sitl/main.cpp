@@ -16,7 +16,6 @@
 
 #include "devices.hpp"
 #include "flight.hpp"
-#include "mission_file.hpp"
 #include "stator/recording.hpp"
 #include "stator/virtual.hpp"
 #include "world/flight_facts.hpp"
@@ -37,9 +36,9 @@ struct Run {
     RecordingCounts recording;
 };
 
-[[nodiscard]] bool open(const char* path, std::FILE*& file) {
+[[nodiscard]] bool open(const char* path, std::FILE*& file, const char* mode = "wb") {
     if (path == nullptr) return true;
-    file = std::fopen(path, "wb");
+    file = std::fopen(path, mode);
     if (file != nullptr) return true;
     std::fprintf(stderr, "error: cannot open '%s': %s\n", path, std::strerror(errno));
     return false;
@@ -121,6 +120,9 @@ void print(const Run& run) {
     std::printf("\"preemptions\": %llu, \"unrecorded_activations\": %llu, ",
                 static_cast<unsigned long long>(run.recording.preemptions),
                 static_cast<unsigned long long>(run.recording.lost));
+    const char* const refused = refused_publications.newest.load();
+    std::printf("\"refused_publications\": %u, \"refused_output\": \"%s\", ",
+                refused_publications.count.load(), refused == nullptr ? "" : refused);
     std::printf("\"missed_life_signs\": %llu, ", static_cast<unsigned long long>(missed_life_signs(
                                                      program.watched, program.watched_count)));
     world::print_flight_facts(board::world(), run.wall_s, board::system0.restarts);
@@ -141,9 +143,9 @@ int main(int count, char** arguments) {
     std::vector<std::uint32_t> budgets;
     if (options.budgets != nullptr && !read_budgets(options.budgets, budgets)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
-    Mission mission{};
-    if (options.mission != nullptr && !board::read_mission(options.mission, mission)) return 2;
-    board::prepare(options.conditions, options.mission != nullptr ? &mission : nullptr, truth);
+    std::FILE* mission = nullptr;
+    if (!open(options.mission, mission, "r+b")) return 2;
+    board::prepare(options.conditions, mission, truth);
     print(run(options, budgets));
     const bool log_written = close(options.log, board::log_storage.file,
                                    board::log_storage.errors == 0, board::log_storage.reason);

@@ -112,6 +112,24 @@ bool read_direction(const char* text, double& from) {
     return true;
 }
 
+// LATITUDE,LONGITUDE or LATITUDE,LONGITUDE,HEIGHT in degrees and metres above mean sea level.
+bool read_origin(const char* text, Earth& earth) {
+    constexpr double kLowest = -500.0;  // m; below the Dead Sea
+    constexpr double kHighest = 9000.0;
+    const std::string_view all = text;
+    const std::size_t first = all.find(',');
+    const std::size_t second = all.find(',', first == all.npos ? all.npos : first + 1);
+    bool is_good = first != all.npos && read_number(all.substr(0, first), earth.latitude_deg) &&
+                   read_number(all.substr(first + 1, second - first - 1), earth.longitude_deg);
+    if (is_good && second != all.npos) {
+        is_good = read_number(all.substr(second + 1), earth.altitude_msl);
+    }
+    is_good = is_good && math::abs(earth.latitude_deg) < 90.0 &&
+              math::abs(earth.longitude_deg) <= 180.0 && earth.altitude_msl >= kLowest &&
+              earth.altitude_msl <= kHighest;
+    return is_good || refuse("--origin", text, "LATITUDE,LONGITUDE or LATITUDE,LONGITUDE,HEIGHT");
+}
+
 bool read_gusts(const char* text, Gusts& gusts) {
     constexpr std::array<std::string_view, 4> kNames{"none", "light", "moderate", "severe"};
     const auto* const found = std::find(kNames.begin(), kNames.end(), text);
@@ -138,15 +156,17 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--vary") return read_vary(value, options.conditions.vary);
     if (option == "--wind") return read_wind(value, options.conditions.wind.speed);
     if (option == "--wind-from") return read_direction(value, options.conditions.wind.from);
+    if (option == "--origin") return read_origin(value, options.conditions.earth);
     if (option == "--gusts") return read_gusts(value, options.conditions.wind.gusts);
     if (option == "--fail") return add_fault(value, options.conditions.faults);
-    std::fprintf(stderr,
-                 "error: unknown option '%s'\nhint: known: --log FILE, --truth FILE, --seed N, "
-                 "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
-                 "--wind M_S, "
-                 "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
-                 "--pilot FILE, --mission FILE, --speed FACTOR\n",
-                 option.data());
+    std::fprintf(
+        stderr,
+        "error: unknown option '%s'\nhint: known: --log FILE, --truth FILE, --seed N, "
+        "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
+        "--wind M_S, "
+        "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
+        "--pilot FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR\n",
+        option.data());
     return false;
 }
 

@@ -10,9 +10,6 @@ target_compile_options(stator_flags INTERFACE
     -fno-exceptions -fno-rtti -fno-threadsafe-statics
 )
 target_compile_definitions(stator_flags INTERFACE EIGEN_DONT_VECTORIZE EIGEN_MPL2_ONLY EIGEN_NO_IO EIGEN_NO_DEBUG)
-if(STATOR_RECORDING)
-    target_compile_definitions(stator_flags INTERFACE STATOR_RECORDING)
-endif()
 get_target_property(eigen_folder Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 target_include_directories(stator_flags SYSTEM INTERFACE ${eigen_folder})
 # gcc compares definitions of one name where it optimises a whole program. Unoptimised, nothing is
@@ -28,14 +25,24 @@ if(STATOR_SANITIZE)
     target_link_options(stator_flags INTERFACE -fsanitize=${STATOR_SANITIZE})
 endif()
 
-# Eigen's headers take most of a compilation, so they are compiled once. Tests compile without, so
-# that a missing include shows.
-function(stator_precompile_eigen target executor)
-    if(NOT TARGET stator_eigen_${executor})
-        file(WRITE "${CMAKE_BINARY_DIR}/stator_eigen_${executor}.cpp" "")
-        add_library(stator_eigen_${executor} OBJECT "${CMAKE_BINARY_DIR}/stator_eigen_${executor}.cpp")
-        target_link_libraries(stator_eigen_${executor} PRIVATE stator_flags stator_${executor})
-        target_precompile_headers(stator_eigen_${executor} PRIVATE <Eigen/Core> <Eigen/Geometry>)
+# stator_precompile(TARGET [TEST]): Eigen's headers, and those of tests, take most of a compilation, so
+# they are compiled once. They see no option of a graph, a board or an executor: all build folders
+# share them, by ccache. A folder of tests with other flags sets STATOR_PRECOMPILED to a name of its
+# own. The runtime, the world and clang-tidy compile without, so that a missing include shows.
+set(STATOR_PRECOMPILED stator_precompiled)
+function(stator_precompile target)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "TEST" "" "")
+    set(name ${STATOR_PRECOMPILED})
+    set(headers <Eigen/Core> <Eigen/Geometry>)
+    if(arg_TEST)
+        string(APPEND name _test)
+        list(APPEND headers <gtest/gtest.h>)
     endif()
-    target_precompile_headers(${target} REUSE_FROM stator_eigen_${executor})
+    if(NOT TARGET ${name})
+        file(WRITE "${CMAKE_BINARY_DIR}/${name}.cpp" "")
+        add_library(${name} OBJECT "${CMAKE_BINARY_DIR}/${name}.cpp")
+        target_link_libraries(${name} PRIVATE stator_flags $<$<BOOL:${arg_TEST}>:GTest::gtest>)
+        target_precompile_headers(${name} PRIVATE ${headers})
+    endif()
+    target_precompile_headers(${target} REUSE_FROM ${name})
 endfunction()

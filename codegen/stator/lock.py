@@ -24,7 +24,8 @@ MOST_BYTES = 4096
 
 class Line:
     """Progress on standard error: one line that is refreshed; without a terminal a line from time
-    to time, the first one after `quiet_s`."""
+    to time, the first one after `quiet_s`. None with STATOR_PROGRESS=off, for programs that read
+    standard error."""
 
     def __init__(self, quiet_s: float = LINE_S) -> None:
         self._has_terminal = sys.stderr.isatty()
@@ -32,6 +33,8 @@ class Line:
         self._is_shown = False
 
     def show(self, text: str) -> None:
+        if os.environ.get("STATOR_PROGRESS") == "off":
+            return
         if self._has_terminal:
             shown = text[: shutil.get_terminal_size().columns - 1]
             print(f"\r\033[K{shown}", end="", file=sys.stderr, flush=True)

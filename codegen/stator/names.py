@@ -22,7 +22,7 @@ _GENERATED = frozenset(
     """tasks topics lines board boards modes apps drivers math dronecan testing messages executor
     log_table parameter_table streams replay interfaces generated all_slots served_now later
     nominal_time_us set_pending clear_pending has_unread count_activation lost_samples preempt
-    take_latest release""".split()
+    take_latest release count_refused add_to_counter""".split()
 )
 _SEEN_BY_DRIVERS = frozenset("math dronecan world".split())  # its own namespace would hide them
 _BESIDE_DEVICES = frozenset("world samples sensors give hand_over".split())  # in namespace board
@@ -35,9 +35,9 @@ _TYPES = frozenset(
     Timer TimerState Line LineState Task TaskCounters Program RandomTimes Random LogTable LogTopic
     Params Ports Fired Device SharedTime Interrupt Register Level LevelFacts Lock Mutex
     Ending PendingWord Refusal RingEntry Settings SlotState Activation ActivationRing FaultRecord
-    FrameReader KeptRecord Link LogEvent LogEvents ModeGate TickSource Transport WatchState
+    FrameReader Kept KeptRecord Link LogEvent LogEvents ModeGate TickSource Transport WatchState
     Watched ParameterPort ParameterRow ParameterRows ParameterTable ParameterTopic
-    ParameterType""".split()
+    ParameterType RefusedPublications""".split()
 )
 
 

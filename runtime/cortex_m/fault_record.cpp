@@ -53,7 +53,7 @@ ActivationRing activation_ring;
 void add_run(FaultRecord& record) {
     record.uptime_us = clock_us();
     record.silent_task = first_silent_task();
-    record.activation_count = activation_ring.count.load(std::memory_order_relaxed);
+    record.activation_count = activation_ring.count.load();
     record.activations = activation_ring.entries;
     std::memcpy(record.graph_hash.data(), program.graph_hash, record.graph_hash.size());
     copy_build_id(record);

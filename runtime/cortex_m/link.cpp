@@ -21,13 +21,13 @@ void put_sample(Writer& out, unsigned index) {
     out.put(static_cast<uint16_t>(index));
     for (unsigned i = 0; i < kMaxTries; ++i) {
         Writer body = out;
-        const uint32_t head = topic.state->head.load();
+        const uint32_t head = head_of(topic).load();
         Pin pin;
         if (!take_latest(topic, 0, pin, false)) break;
         const auto bytes = std::min(topic.sample_bytes, kMaxSampleBytes);
         body.put(head);
-        body.put(static_cast<const uint8_t*>(topic.samples) + pin.slot * topic.sample_bytes, bytes);
-        if (topic.state->head.load() != head) continue;
+        body.put(sample_of(topic, pin), bytes);
+        if (head_of(topic).load() != head) continue;
         out = body;
         return;
     }

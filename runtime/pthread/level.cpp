@@ -90,7 +90,7 @@ bool LevelThread::create(unsigned level) {
     place_ = level;
     level_ = &program.levels[level];
     word_ = &pending_words[level].bits;
-    word_->fetch_or(kAwake);  // from here on, so that it is not at rest before its first round
+    word_->fetch_or(kAwakeBit);  // from here on, so that it is not at rest before its first round
     const ThreadAttributes attributes(level_->priority);
     const auto entry = [](void* object) -> void* {
         static_cast<LevelThread*>(object)->run();
@@ -106,12 +106,12 @@ void LevelThread::run() {
     prepare_thread(name);
     wait_at_gate();
     // Those of the start, also if the end has come meanwhile; not if nothing is to run.
-    if ((word_->load(std::memory_order_relaxed) & kStop) == 0) make_releases();
+    if ((word_->load(std::memory_order_relaxed) & kStopBit) == 0) make_releases();
     for (;;) {
         const uint64_t next_us = release_due();
         const uint32_t bits = word_->load(std::memory_order_relaxed);
         // First, as tasks may pend each other for ever.
-        if ((bits & kStop) != 0) break;
+        if ((bits & kStopBit) != 0) break;
         if ((bits & kTaskBits) != 0) {
             run_task(static_cast<unsigned>(std::countr_zero(bits)));
         } else {
@@ -157,14 +157,14 @@ void LevelThread::run_task(unsigned index) {
     running_.store(nullptr, std::memory_order_relaxed);
 }
 
-// The word goes to 0 only if nothing but kAwake is set; a thread that sets a bit from then on finds
-// 0 and wakes this thread, which the kernel keeps asleep only while the word is 0.
+// The word goes to 0 only if nothing but kAwakeBit is set; a thread that sets a bit from then on
+// finds 0 and wakes this thread, which the kernel keeps asleep only while the word is 0.
 void LevelThread::sleep(uint64_t until_us) {
     sleeps_.fetch_add(1);
-    uint32_t awake = kAwake;
+    uint32_t awake = kAwakeBit;
     if (!word_->compare_exchange_strong(awake, 0)) return;
     futex_wait(*word_, 0, until_us);
-    word_->fetch_or(kAwake);
+    word_->fetch_or(kAwakeBit);
     ++facts_.wakes;
 }
 
@@ -243,7 +243,7 @@ bool is_any_level_busy() {
 }
 
 void stop_level(unsigned level) {
-    pending_words[level].bits.fetch_or(kStop);
+    pending_words[level].bits.fetch_or(kStopBit);
     wake_level(level);
 }
 

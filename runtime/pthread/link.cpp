@@ -33,9 +33,7 @@ bool copy_newest(const Topic& topic, uint8_t* to, size_t bytes, uint32_t& number
     const Pin& kept = topic.state->kept[current_level];
     Pin pin;
     if (!take_latest(topic, kept.is_kept ? kept.number : 0, pin)) return false;
-    std::memcpy(to,
-                static_cast<const uint8_t*>(topic.samples) + size_t{pin.slot} * topic.sample_bytes,
-                bytes);
+    std::memcpy(to, sample_of(topic, pin), bytes);
     number = pin.number;
     release(topic, pin);
     return true;

@@ -20,9 +20,9 @@ void print(const Recording& recording, const Difference& difference) {
     std::printf(", \"first\": {\"kind\": \"%s\", \"topic\": \"%s\", \"number\": %u, ",
                 kinds[static_cast<int>(difference.kind)],
                 recording.topics[difference.topic].name.c_str(), difference.number);
-    std::printf("\"now_us\": %llu, \"recorded_crc\": %u, \"crc\": %u",
-                static_cast<unsigned long long>(difference.now_us), difference.recorded_crc,
-                difference.crc);
+    std::printf("\"now_us\": %llu, \"recorded_hash\": %u, \"hash\": %u",
+                static_cast<unsigned long long>(difference.now_us), difference.recorded_hash,
+                difference.hash);
     print_hex("recorded", difference.recorded);
     print_hex("replayed", difference.replayed);
     std::printf("}");

@@ -16,7 +16,7 @@ struct Port {
     size_t topic;
     bool is_input;
     bool is_cursor;  // a trigger or queue: has a start when its node is constructed anew
-    bool is_whole;   // an output whose samples are recorded, not their CRC
+    bool is_whole;   // an output whose samples are recorded, not their hash
     bool is_stamp;   // an output of which only the times are recorded
 };
 

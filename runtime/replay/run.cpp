@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "stator/crc32.hpp"
+#include "stator/sample_hash.hpp"
 
 namespace stator::replay {
 
@@ -39,8 +39,8 @@ void Job::publish(unsigned tag, void* message, size_t bytes) {
                      .topic = port.topic,
                      .number = replay_->tasks_[task_].numbers[tag - 1] + 1,
                      .now_us = now_us_,
-                     .recorded_crc = 0,
-                     .crc = crc32(0, message, bytes),
+                     .recorded_hash = 0,
+                     .hash = sample_hash(message, bytes),
                      .recorded = {},
                      .replayed = {from, from + bytes}});
 }
@@ -128,8 +128,8 @@ void Replay::conclude(Job& job, bool is_run) {
                 .topic = port.topic,
                 .number = item.number,
                 .now_us = job.now_us_,
-                .recorded_crc = item.crc,
-                .crc = 0,
+                .recorded_hash = item.hash,
+                .hash = 0,
                 .recorded = {},
                 .replayed = {}});
     }
@@ -149,10 +149,10 @@ const void* Replay::sample(size_t topic, uint32_t number) {
 
 void Replay::compare(Job& job, Job::Item& item, const Port& port, const void* message) {
     const size_t bytes = recording_.topics[port.topic].bytes;
-    const uint32_t crc = crc32(0, message, bytes);
+    const uint32_t hash = sample_hash(message, bytes);
     ++results_[port.topic].compared;
     uint8_t* place = slot(port.topic, item.number);
-    if (crc != item.crc) {
+    if (hash != item.hash) {
         const auto* from = static_cast<const uint8_t*>(message);
         std::vector<uint8_t> recorded;
         if (port.is_whole) recorded.assign(place, place + bytes);
@@ -160,8 +160,8 @@ void Replay::compare(Job& job, Job::Item& item, const Port& port, const void* me
                 .topic = port.topic,
                 .number = item.number,
                 .now_us = job.now_us_,
-                .recorded_crc = item.crc,
-                .crc = crc,
+                .recorded_hash = item.hash,
+                .hash = hash,
                 .recorded = recorded,
                 .replayed = {from, from + bytes}});
     }

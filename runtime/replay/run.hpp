@@ -18,8 +18,8 @@ struct Difference {
     size_t topic;
     uint32_t number;
     uint64_t now_us;
-    uint32_t recorded_crc;
-    uint32_t crc;
+    uint32_t recorded_hash;
+    uint32_t hash;
     std::vector<uint8_t> recorded;  // the sample, where the recording has it
     std::vector<uint8_t> replayed;
 };

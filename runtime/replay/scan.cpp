@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "run.hpp"
-#include "stator/crc32.hpp"
+#include "stator/sample_hash.hpp"
 
 namespace stator::replay {
 
@@ -78,9 +78,9 @@ bool Replay::read(Reader& reader, Job& job, bool is_scan) {
         if (!port.is_input && port.is_whole) {
             const size_t bytes = recording_.topics[port.topic].bytes;
             whole = reader.skip(bytes);
-            if (whole != nullptr) item.crc = crc32(0, whole, bytes);
+            if (whole != nullptr) item.hash = sample_hash(whole, bytes);
         } else if (!port.is_input && !port.is_stamp) {
-            item.crc = reader.word();
+            item.hash = reader.word();
         }
         numbers[tag - 1] += static_cast<uint32_t>(reader.number());
         item.number = numbers[tag - 1];

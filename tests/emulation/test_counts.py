@@ -29,8 +29,12 @@ def test_counts_are_as_expected() -> None:
 
 
 def test_what_is_noted_of_an_activation_costs_little() -> None:
-    """17 for its time, 10 for the list in the record of a fault (activation.hpp of cortex_m)."""
+    """18 for its time, 10 for the list in the record of a fault (activation.hpp of cortex_m), and
+    one or two where a register more is needed."""
     needs_emulator()
-    whole = "publish, and the whole activation of the reader that it activates"
-    plain, noted = ({row[0]: row[2] for row in rows}[whole] for rows in (counts(), counts({})))
-    assert noted - plain == 27
+    whole = (
+        "publish, and the whole activation of the reader that it activates",
+        "the same, and the reader reads the newest sample of another topic",
+    )
+    plain, noted = ({row[0]: row[2] for row in rows} for rows in (counts(), counts({})))
+    assert all(28 <= noted[way] - plain[way] <= 30 for way in whole), (plain, noted)

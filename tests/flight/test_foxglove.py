@@ -45,7 +45,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def read(log: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
     folder = tmp_path_factory.mktemp("reader")
     shutil.copytree(READER, folder, dirs_exist_ok=True)
-    node(str(NPM), "ci", "--no-audit", "--no-fund", cwd=folder)
+    node(str(NPM), "ci", "--prefer-offline", "--no-audit", "--no-fund", cwd=folder)
     lines = node("read.js", str(log), cwd=folder).splitlines()
     return [json.loads(line) for line in lines]
 

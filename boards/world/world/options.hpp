@@ -10,7 +10,7 @@ namespace stator::world {
 struct Options {
     const char* log = nullptr;                // file for the flight log; none: no log
     const char* truth = nullptr;              // file for the true flight; none: no truth
-    const char* mission = nullptr;            // file of the mission; none: no mission
+    const char* mission = nullptr;            // file of the mission device; none: it is empty
     std::uint64_t duration_us = 120'000'000;  // at most
     double speed = 0.0;  // at most so many times real time; 0: as fast as it goes
     bool random_times = false;

@@ -56,3 +56,21 @@ def layout(file: str, name: str) -> Layout:
         form += f"{count}{'s' if is_text else codes[kind]}" if kind else codes[single]
         names += [field] * (1 if not kind or is_text else int(count))
     return Layout(struct.Struct(form), tuple(names))
+
+
+@cache
+def enumerators(file: str, name: str) -> dict[str, int]:
+    """The names of an enum of C++, without their k, and their numbers."""
+    text = (HOME / file).read_text(encoding="utf-8")
+    found = re.search(rf"enum class {name} : \w+ \{{(.*?)\}};", text, re.DOTALL)
+    assert found is not None, f"{file} has no enum {name}"
+    return {key: int(value) for key, value in re.findall(r"\bk(\w+) = (\d+)", found[1])}
+
+
+@cache
+def numbers(file: str, name: str) -> frozenset[int]:
+    """The numbers of an array of C++."""
+    text = (HOME / file).read_text(encoding="utf-8")
+    found = re.search(rf"\b{name}\{{([\d,\s]+)\}};", text)
+    assert found is not None, f"{file} has no array {name}"
+    return frozenset(int(number) for number in found[1].split(","))

@@ -12,18 +12,21 @@ from stator.diagnostics import ANSWER_IS_NO, UserError
 from stator.emulator.qemu import find_emulator, fly
 from stator.flight.arguments import (
     add_flight_arguments,
+    complete,
     failures_of,
     faults_of,
     flight_options,
     is_judged,
     is_recorded,
     is_windy,
+    memory_of,
+    place_options,
     rates_of,
     recording_of,
     setting_of,
     speed_of,
 )
-from stator.flight.facts import alone, default_log, facts_of, keep
+from stator.flight.facts import alone, default_log, facts_of, keep, mission_facts
 from stator.flight.progress import progress
 from stator.flight.report import report
 from stator.live.fault_record import in_words
@@ -61,6 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     """0 if the flight was successful; 1 if it failed or could not be judged."""
+    mission = complete(arguments)
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".emulated")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     faults = faults_of(arguments)
@@ -69,12 +73,16 @@ def main(arguments: argparse.Namespace) -> int:
     image = build_image(arguments.graph, arguments.board, variant)
     plant = build_plant()
     link = None if arguments.link is None else socket_place(arguments.link)
-    options = ["--truth", str(truth.resolve()), *flight_options(arguments)]
+    options = ["--truth", str(truth.resolve()), *flight_options(arguments), *place_options(mission)]
     if arguments.speed is not None:
         options += ["--speed", f"{arguments.speed:.6f}"]
     name = f"emulating {arguments.graph.stem}, seed {arguments.seed}"
-    with alone(log), progress(name, truth, arguments.duration):
-        finished = fly(emulator, image, [str(plant), *options], log, link=link)
+    with (
+        alone(log),
+        progress(name, truth, arguments.duration),
+        memory_of(mission) as memory,
+    ):
+        finished = fly(emulator, image, [str(plant), *options], log, link=link, mission=memory)
         if finished.returncode != 0:
             plan = make_plan(str(arguments.graph), arguments.board)
             raise UserError(in_words(finished.stderr, plan, image).rstrip())
@@ -82,12 +90,14 @@ def main(arguments: argparse.Namespace) -> int:
             finished,
             log,
             truth,
+            mission,
             most_s=arguments.duration,
             judges=is_judged(arguments),
             is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
-            setting=setting_of(arguments),
+            setting=setting_of(arguments, mission),
         )
+    facts |= mission_facts(arguments, mission)
     facts |= failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())

@@ -4,35 +4,31 @@ from __future__ import annotations
 
 import argparse
 import json
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stator import HOME
-from stator.arguments import path
 from stator.build.cmake import PREEMPTION, build, short_name
-from stator.diagnostics import ANSWER_IS_NO, UserError, shown_path
+from stator.diagnostics import ANSWER_IS_NO, UserError
 from stator.flight.arguments import (
-    USUAL_DURATION_S,
     add_flight_arguments,
+    complete,
     failures_of,
     faults_of,
     flight_options,
     is_judged,
     is_recorded,
     is_windy,
+    memory_of,
+    place_options,
     rates_of,
     recording_of,
     setting_of,
     speed_of,
     times_of,
 )
-from stator.flight.facts import NOT_WHOLE, alone, default_log, facts_of, keep
+from stator.flight.facts import NOT_WHOLE, alone, default_log, facts_of, keep, mission_facts
 from stator.flight.progress import progress
 from stator.flight.report import report
-from stator.mission.model import packed
-from stator.mission.read import read_mission
-from stator.pipeline import make_plan
 from stator.processes import run
 
 if TYPE_CHECKING:
@@ -51,27 +47,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(default: zero)",
     )
     parser.add_argument(
-        "--mission",
-        type=path,
-        metavar="FILE",
-        help="mission to fly: YAML, or a ground station's .plan (docs/missions.md); the default "
-        "graph is then graph/quad_outdoor.yaml",
-    )
-    parser.add_argument(
         "--speed",
         type=speed_of,
         metavar="FACTOR",
         help="highest speed, as a multiple of real time (default: no limit)",
     )
-    parser.set_defaults(graph=None, duration=None)
 
 
 def main(arguments: argparse.Namespace) -> int:
     """0 if the flight was successful; 1 if it failed or could not be judged."""
-    mission = None if arguments.mission is None else read_mission(arguments.mission)
-    complete(arguments, mission)
-    if mission is not None:
-        _check_takes_missions(arguments.graph, arguments.board)
+    mission = complete(arguments)
     faults = faults_of(arguments)
     variant = {} if arguments.times == "zero" else PREEMPTION
     times = times_of(arguments)
@@ -97,7 +82,7 @@ def main(arguments: argparse.Namespace) -> int:
             in_wind=is_windy(arguments),
             setting=setting_of(arguments, mission),
         )
-    facts |= {"mission": arguments.mission.stem if arguments.mission else None}
+    facts |= mission_facts(arguments, mission)
     facts |= failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())
@@ -108,24 +93,6 @@ def main(arguments: argparse.Namespace) -> int:
     else:
         report(facts)
     return 0 if facts["success"] else ANSWER_IS_NO
-
-
-def complete(arguments: argparse.Namespace, mission: Mission | None) -> None:
-    """Fills in the defaults of the graph and the duration."""
-    if arguments.graph is None:
-        name = "quad.yaml" if mission is None else "quad_outdoor.yaml"
-        arguments.graph = HOME / "graph" / name
-    if arguments.duration is None:
-        arguments.duration = max(USUAL_DURATION_S, mission.seconds if mission else 0.0)
-
-
-def _check_takes_missions(graph: Path, board: str) -> None:
-    plan = make_plan(str(graph), board)
-    if not any(node.interface.name == "mission" for node in plan.graph.nodes.values()):
-        raise UserError(
-            f"error: missing node of app 'mission' in {shown_path(graph)}\n"
-            "hint: omit GRAPH, or include quad_outdoor.yaml in your graph"
-        )
 
 
 def _run(
@@ -140,10 +107,7 @@ def _run(
     command += [*flight_options(arguments), *times]
     if arguments.speed is not None:
         command += ["--speed", f"{arguments.speed:.6f}"]
-    if mission is None:
-        return run(command, check=False, capture_output=True)
-    with tempfile.NamedTemporaryFile(suffix=".mission") as file:
-        file.write(packed(mission))
-        file.flush()
-        command += ["--mission", file.name]
+    with memory_of(mission) as memory:
+        if memory is not None:
+            command += ["--mission", str(memory), *place_options(mission)]
         return run(command, check=False, capture_output=True)

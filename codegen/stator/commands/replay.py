@@ -175,7 +175,7 @@ def _difference(recording: Recording, first: Facts) -> Facts:
     recorded = bytes.fromhex(first["recorded"])
     replayed = bytes.fromhex(first["replayed"])
     if not recorded and first["kind"] != "extra":
-        recorded = logged_sample(recording, first["topic"], first["recorded_crc"]) or b""
+        recorded = logged_sample(recording, first["topic"], first["recorded_hash"]) or b""
     values = [fields_of(layout, sample) if sample else {} for sample in (recorded, replayed)]
     both = values[0].keys() & values[1].keys()
     different = (n for n in values[0] if n in both and _differ(values[0][n], values[1][n]))
@@ -188,8 +188,8 @@ def _difference(recording: Recording, first: Facts) -> Facts:
         "field": field,
         "recorded": values[0].get(field) if field else None,
         "replayed": values[1].get(field) if field else None,
-        "recorded_crc32": None if first["kind"] == "extra" else f"{first['recorded_crc']:08x}",
-        "replayed_crc32": None if first["kind"] == "missing" else f"{first['crc']:08x}",
+        "recorded_hash": None if first["kind"] == "extra" else f"{first['recorded_hash']:08x}",
+        "replayed_hash": None if first["kind"] == "missing" else f"{first['hash']:08x}",
     }
 
 
@@ -240,6 +240,6 @@ def _difference_rows(first: Facts) -> list[tuple[str, str]]:
     if first["field"] is not None:
         text = f"{first['field']}: recorded {first['recorded']!r}, replayed {first['replayed']!r}"
     else:
-        crcs = f"recorded {first['recorded_crc32']}, replayed {first['replayed_crc32']}"
-        text = f"CRC-32: {crcs} (the log does not contain this sample)"
+        hashes = f"recorded {first['recorded_hash']}, replayed {first['replayed_hash']}"
+        text = f"hash: {hashes} (the log does not contain this sample)"
     return [("first", where), ("", text)]

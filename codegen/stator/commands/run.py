@@ -23,17 +23,20 @@ from stator.diagnostics import (
 )
 from stator.flight.arguments import (
     add_flight_arguments,
+    complete,
     failures_of,
     faults_of,
     flight_options,
     is_judged,
     is_recorded,
     is_windy,
+    memory_of,
+    place_options,
     rates_of,
     recording_of,
     setting_of,
 )
-from stator.flight.facts import complaint_of, default_log, facts_of, keep
+from stator.flight.facts import complaint_of, default_log, facts_of, keep, mission_facts
 from stator.flight.nonvolatile import nonvolatile_facts, nonvolatile_of, nonvolatile_rows
 from stator.flight.progress import progress
 from stator.flight.report import flight_rows, log_rows, show, watch_rows
@@ -47,6 +50,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from stator.flight.invariants import Setting
+    from stator.mission.model import Mission
 
 MIN_SPEED = 0.001
 MAX_CPUS = 64
@@ -142,6 +146,7 @@ def cpus_of(text: str) -> int:
 def main(arguments: argparse.Namespace) -> int:
     """0 if it ran to its end, and a vehicle flew within all limits; 1 if not, or if the flight
     could not be judged; 128 plus the number of the signal that ended it."""
+    mission = complete(arguments)
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     faults = faults_of(arguments)
@@ -149,11 +154,14 @@ def main(arguments: argparse.Namespace) -> int:
     flies = _flies(arguments)
     memory = nonvolatile_of(arguments, log)
     name = f"running {arguments.graph.stem} for at most {arguments.duration:g} s (Ctrl-C to end)"
-    with _link_of(arguments) as link:
+    with _link_of(arguments) as link, memory_of(mission) as plan_memory:
 
         def command_of(duration_s: float) -> list[str]:
             life = argparse.Namespace(**(vars(arguments) | {"duration": duration_s}))
-            return _command(program, log, truth, memory, link, life)
+            command = _command(program, log, truth, memory, link, life)
+            if plan_memory is not None:
+                command += ["--mission", str(plan_memory), *place_options(mission)]
+            return command
 
         with progress(name, truth, arguments.duration):
             finished, earlier = run_lives(command_of, log, arguments.duration)
@@ -164,12 +172,14 @@ def main(arguments: argparse.Namespace) -> int:
         log,
         truth,
         most_s=arguments.duration,
+        mission=mission,
         flies=flies,
         is_recorded=is_recorded(arguments),
         in_wind=is_windy(arguments),
-        setting=setting_of(arguments),
+        setting=setting_of(arguments, mission),
     )
     facts |= failures_of(faults)
+    facts |= mission_facts(arguments, mission)
     facts["logs_before_restart"] = [str(path.resolve()) for path in earlier]
     facts["nonvolatile"] = nonvolatile_facts(memory, facts.get("nonvolatile"))
     facts |= rates_of(arguments)
@@ -254,6 +264,7 @@ def _facts(
     truth: Path,
     *,
     most_s: float,
+    mission: Mission | None,
     flies: bool,
     is_recorded: bool,
     in_wind: bool,
@@ -263,6 +274,7 @@ def _facts(
         finished,
         log,
         truth,
+        mission,
         most_s=most_s,
         judges=flies,
         is_recorded=is_recorded,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -73,22 +74,31 @@ def depth(plan: Plan, topic: TopicPlan) -> int:
 
 def slots(plan: Plan, topic: TopicPlan) -> int:
     """D plus the samples that each level can hold, because levels run at the same time: the newest
-    sample that it has read, one from the queue, and one that it builds; plus the newest sample
-    that the link has sent. docs/topics.md has the argument."""
-    held = {(name, _hold(plan, name, port)) for name, port in topic.readers}
-    held |= {(name, "loan") for name in topic.publishers}
-    if topic.owner:
-        held |= {(name, "latest") for name in topic.publishers}
+    sample that it has read, those that one job reads beside it, one from the queue, and one that
+    it builds; plus the newest sample that the link has sent. docs/topics.md has the argument."""
+    holds: dict[str, Counter[str]] = defaultdict(Counter)
+    for name, port in topic.readers:
+        if port:  # else the publisher of parameters, see below
+            holds[name][_hold(plan, name, port)] += 1
     if topic.log_us is not None or (topic.owner and topic.publishers):
         kind = "next" if topic.log_us == 0 else "latest"
-        held |= {(t.node.name, kind) for t in plan.tasks if t.node.interface.reads_log}
+        for task in plan.tasks:
+            if task.node.interface.reads_log:
+                holds[task.node.name][kind] += 1
     modes = plan.graph.modes
-    if modes is not None and topic.name == MODE_TOPIC:
-        held.add((modes.publisher, "latest"))  # the switch follows the newest
+    for name in topic.publishers:
+        holds[name]["loan"] = 1
+        # It looks at what it has published last, for parameters and for the switch. While it does,
+        # that sample is in the ring; its level keeps it.
+        if topic.owner or (modes is not None and topic.name == MODE_TOPIC):
+            holds[name]["latest"] = max(holds[name]["latest"], 1)
+    levels: dict[int, Counter[str]] = defaultdict(Counter)
+    for name, counts in holds.items():
+        levels[plan.task(name).level] |= counts  # the greater of each kind
+    held = sum(counts.total() for counts in levels.values())
     by_the_start = 0 if topic.publishers else 1  # which publishes parameters
-    levels = {(plan.task(name).level, kind) for name, kind in held}
     of_the_link = 1
-    return depth(plan, topic) + len(levels) + by_the_start + of_the_link
+    return depth(plan, topic) + held + by_the_start + of_the_link
 
 
 def _hold(plan: Plan, name: str, port: str) -> str:

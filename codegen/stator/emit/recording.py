@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from stator.graph.model import Message, Node
     from stator.plan.plan import Plan, Task
 
+VERSION = 2  # of the format; 1 had CRC-32 of samples, and does not say so
 START_LEVEL = 0  # of publications before the first task runs
 # A stream holds the records of its level for this time, or for this number of logger periods.
 HELD_US = 50_000
@@ -37,7 +38,7 @@ MIN_STREAM = 256
 # Bytes of the parts of a record; rare records are larger.
 HEAD_BYTES = 8  # task, end, what fired, time since the previous record
 TAKE_BYTES = 2  # tag and number
-CRC_BYTES = 4
+HASH_BYTES = 4
 # Of the definitions of a topic and of a parameter in the log, without their texts.
 DEFINITION_BYTES = 16
 
@@ -46,9 +47,10 @@ DEFINITION_BYTES = 16
 class Port:
     name: str
     topic: str
-    kind: str  # trigger, thinned, latest, queue; of an output: crc, whole, stamp
+    kind: str  # trigger, thinned, latest, queue; of an output: hash, whole, stamp
     tag: int
     message: Message
+    burst: int = 1  # of an output
 
 
 @dataclass(frozen=True)
@@ -90,17 +92,17 @@ def _of_task(plan: Plan, task: Task) -> Recorded:
     if node.interface.params_message is not None:
         topic = f"{node.name}_params"
         inputs.append(Port("params", topic, "latest", 0, node.interface.params_message))
-    how = {"app": "crc", "driver": "whole", "logger": "stamp"}[kind]
+    how = {"app": "hash", "driver": "whole", "logger": "stamp"}[kind]
     outputs = [
-        Port(key, o.topic, how, 0, plan.topics[o.topic].message) for key, o in node.outputs.items()
+        Port(key, o.topic, how, 0, plan.topics[o.topic].message, o.port.burst)
+        for key, o in node.outputs.items()
     ]
     params = [
         Port(row.topic, row.topic, how, 0, plan.topics[row.topic].message)
         for row in emit_parameters.published(plan, node)
     ]
     numbered = [
-        Port(port.name, port.topic, port.kind, tag, port.message)
-        for tag, port in enumerate((*inputs, *outputs, *params), start=1)
+        replace(port, tag=tag) for tag, port in enumerate((*inputs, *outputs, *params), start=1)
     ]
     timers = sum(1 for t in node.triggers if t.kind == "every")
     lines = tuple(t.name for t in node.triggers if t.kind == "irq")
@@ -121,7 +123,7 @@ def _of_task(plan: Plan, task: Task) -> Recorded:
 
 
 def definitions(plan: Plan, file: str) -> list[str]:
-    lines = [f"graph {plan.graph.name} {plan.board.name} {file}"]
+    lines = [f"recording {VERSION}", f"graph {plan.graph.name} {plan.board.name} {file}"]
     if plan.graph.modes is not None:
         lines.append("modes " + " ".join(plan.graph.modes.sets))
     tasks = recorded_tasks(plan)
@@ -163,6 +165,7 @@ class PortRow:
     tag: int
     how: str
     floats: list[str]
+    burst: int
     age: str = ""  # the argument of a port that does not take samples of any age
 
 
@@ -172,12 +175,19 @@ class TaskRecording:
 
     index: int
     has_modes: bool
+    is_gated: bool
     stream: str
     fired: str
     inputs: list[PortRow]
     outputs: list[PortRow]
     params: list[PortRow]
     starts: list[str]
+    writes_in_step: bool  # else the whole record is written behind it
+
+    @property
+    def more_numbers(self) -> int:
+        """At the end of the record, besides those of every record."""
+        return int(self.has_modes) + (len(self.starts) if self.is_gated else 0)
 
 
 @dataclass(frozen=True)
@@ -209,12 +219,15 @@ def _task_row(plan: Plan, index: int, task: Recorded) -> TaskRecording:
     return TaskRecording(
         index=index,
         has_modes=modes is not None,
+        is_gated=is_gated,
         stream=f"streams::level_{task.level}",
         fired=" | ".join(fired) or "0",
         inputs=[port_row(port, _age(plan, task, port)) for port in task.inputs],
         outputs=[port_row(port) for port in task.outputs],
         params=[port_row(port) for port in task.params],
         starts=[p.name for p in task.inputs if p.kind in ("trigger", "queue")],
+        writes_in_step=bool(task.outputs or task.params)
+        or any(port.kind == "queue" for port in task.inputs),
     )
 
 
@@ -231,6 +244,7 @@ def port_row(port: Port, age: str = "") -> PortRow:
         tag=port.tag,
         how=f"RecordedOutput::How::k{upper_camel(port.kind)}",
         floats=emit_rows.log_floats(port.message),
+        burst=port.burst,
         age=age,
     )
 
@@ -332,12 +346,10 @@ def _record_bytes(plan: Plan, task: Recorded, rates: Rates) -> Fraction:
         if port.kind == "queue" and (published := rates.topic(port.topic)):
             samples = _period_us(rates, task.name) / published
         total += TAKE_BYTES * samples
-    node: Node | None = plan.graph.nodes.get(task.name)
     for port in task.outputs:
-        content = {"whole": port.message.bytes, "crc": CRC_BYTES, "stamp": 0}[port.kind]
-        burst = 1 if node is None else node.outputs[port.name].port.burst
-        total += burst * (TAKE_BYTES + content)
-    return total + (TAKE_BYTES + CRC_BYTES if task.params else 0)  # of one node at a time
+        content = {"whole": port.message.bytes, "hash": HASH_BYTES, "stamp": 0}[port.kind]
+        total += port.burst * (TAKE_BYTES + content)
+    return total + (TAKE_BYTES + HASH_BYTES if task.params else 0)  # of one node at a time
 
 
 def _power_of_two(size: Fraction) -> int:

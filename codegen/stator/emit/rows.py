@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from stator import HOME
+from stator.emit.readers import is_woken
 from stator.graph.checks.parts import MODE_TOPIC
 from stator.graph.model import TYPES, Failsafe, Field, Interface, Message, Value
 from stator.names import upper_camel
@@ -209,6 +210,8 @@ class TopicRow:
     slots: int
     ceiling: int
     ring: int  # entries of the ring; 0: depth 1 needs none
+    takes_turns: bool
+    wakes: bool  # readers that take what woke them
     subscribers: list[str]
     thinned: list[ThinnedRow]
 
@@ -225,6 +228,7 @@ def topic(plan: Plan, planned: TopicPlan) -> TopicRow:
         else:
             intervals[name] = trigger.min_interval_us
     thinned = [plan.task(name) for name in intervals]
+    readers = [(name, port) for name, port in planned.readers if not planned.owner]
     return TopicRow(
         name=planned.name,
         message=planned.message.name,
@@ -233,6 +237,8 @@ def topic(plan: Plan, planned: TopicPlan) -> TopicRow:
         slots=planned.slots,
         ceiling=planned.ceiling,
         ring=2 * planned.depth if planned.depth > 1 else 0,
+        takes_turns=planned.takes_turns,
+        wakes=any(is_woken(plan, plan.task(name), port) for name, port in readers),
         # With threads, thinned tasks are pended elsewhere.
         subscribers=pends(plan, woken, [] if plan.board.executor == "pthread" else thinned),
         thinned=[ThinnedRow(t.node.name, intervals[t.node.name], pend(plan, t)) for t in thinned],

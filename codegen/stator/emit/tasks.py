@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stator.emit import devices
+from stator.emit.readers import is_gated, is_outranked, is_woken
 from stator.emit.rows import pend
 from stator.plan.plan import owns_its_vector
 
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
     from stator.emit.recording import TaskRecording
     from stator.graph.model import Node, Trigger
     from stator.plan.plan import Plan, Task
-
-# On these executors a job runs to its end before another of its level or below continues.
-NESTING = ("cortex_m", "virtual")
 
 
 @dataclass(frozen=True)
@@ -40,6 +38,7 @@ class OutputRow:
     name: str
     topic: str
     keep: str
+    burst: int
 
 
 @dataclass(frozen=True)
@@ -106,6 +105,8 @@ class TaskRow:
         fields += [f"ThinnedState thinned_{i.topic}" for i in self.thinned]
         fields += [f"uint32_t {name}" for name in self._numbers()]
         fields += [f"uint32_t {i.name}_served" for i in self.thinned]
+        if self.reads_log:
+            fields.append("uint32_t log_lost")
         if self.is_gated:
             fields.append("ModeGate gate")
             # Shared: with threads, the next switch may come while the task begins.
@@ -125,7 +126,7 @@ class TaskRow:
     def starts(self) -> list[str]:
         """Statements of the switch that starts the task."""
         heads = [
-            f"state.{i.name}_start.store(topics::{i.topic}.state->head.load());"
+            f"state.{i.name}_start.store(head_of(topics::{i.topic}).load());"
             for i in [*self.triggers, *self.queues]
         ]
         fires = [(i.name, f"thinned_{i.topic}") for i in self.thinned]
@@ -158,11 +159,10 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
     driver = device.driver if device is not None else ""
     header = f"apps/{interface.name}/{interface.name}" if device is None else devices.header(driver)
     modes = plan.graph.modes
-    is_gated = modes is not None and any(node.name in names for names in modes.sets.values())
     is_bound = device is None or driver != "none"
     entry = [t for t in node.triggers if is_bound and owns_its_vector(plan, planned)]
     keeps_now = not entry and not _has_one_clock(plan, node)
-    inputs = [_input(plan, planned, key, keeps_now, is_gated) for key in node.inputs]
+    inputs = [_input(plan, planned, key, keeps_now) for key in node.inputs]
     kinds = {kind: [i for i in inputs if i.kind == kind] for kind in _KINDS}
     if interface.params:
         kinds["latest"].append(_params(plan, planned))
@@ -196,6 +196,7 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
                 name=key,
                 topic=o.topic,
                 keep="true" if node.name in plan.topics[o.topic].kept_by else "false",
+                burst=o.port.burst,
             )
             for key, o in node.outputs.items()
         ],
@@ -203,7 +204,7 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
         publishes_params=interface.publishes_params,
         is_replayed=device is None and not interface.reads_log,
         keeps_now=keeps_now,
-        is_gated=is_gated,
+        is_gated=is_gated(plan, planned),
         switches_mode=modes is not None and modes.publisher == node.name,
         recorded=recorded,
     )
@@ -245,19 +246,12 @@ def _timer(index: int, trigger: Trigger, keeps_now: bool) -> TimerRow:
     )
 
 
-def _input(plan: Plan, planned: Task, key: str, keeps_now: bool, is_gated: bool) -> InputRow:
+def _input(plan: Plan, planned: Task, key: str, keeps_now: bool) -> InputRow:
     node = planned.node
     source = node.inputs[key]
     kind = node.way_of(source)
-    topic = plan.topics[source.topic]
-    marks = _is_outranked(plan, planned, source.topic)
-    is_certain = (
-        kind == "trigger"
-        and topic.depth == 1
-        and len(node.triggers) == 1
-        and not marks
-        and not is_gated
-    )
+    marks = is_outranked(plan, planned, source.topic)
+    woken = is_woken(plan, planned, key)
     age = source.max_age_us
     limit = age or "kNoAgeLimit"
     arguments = f"topics::{source.topic}, state.{key}_number"
@@ -268,15 +262,15 @@ def _input(plan: Plan, planned: Task, key: str, keeps_now: bool, is_gated: bool)
         "latest": f"take_latest({arguments}, ports.now, {limit}{tail})",
         "queue": f"open_queue({arguments}, ports.now, {limit}{tail})",
     }[kind]
-    if is_certain:
-        take = f"take_latest({arguments}, 0, kNoAgeLimit, false)"
+    if woken:
+        take = f"take_woken({arguments})"
     return InputRow(
         name=key,
         topic=source.topic,
         kind=kind,
         take=f"ports.{key}.{take};",
         max_age_us=age or 0,
-        may_leave=not is_certain,
+        may_leave=not woken,
         now=_now(f"ports.{key}->timestamp", keeps_now) if kind in _KINDS[:2] else "",
     )
 
@@ -284,18 +278,6 @@ def _input(plan: Plan, planned: Task, key: str, keeps_now: bool, is_gated: bool)
 def _params(plan: Plan, planned: Task) -> InputRow:
     """Published before anything runs."""
     topic = f"{planned.node.name}_params"
-    tail = "" if _is_outranked(plan, planned, topic) else ", kNoAgeLimit, false"
+    tail = "" if is_outranked(plan, planned, topic) else ", kNoAgeLimit, false"
     take = f"take_latest(topics::{topic}, state.params_number, ports.now{tail})"
     return InputRow("params", topic, "latest", f"ports.params.{take};")
-
-
-def _is_outranked(plan: Plan, planned: Task, topic: str) -> bool:
-    """Whether the topic may be published while the task reads it."""
-    publishers = plan.topics[topic].publishers
-    return bool(publishers) and (
-        plan.board.executor not in NESTING
-        or any(
-            name == planned.node.name or plan.task(name).level > planned.level
-            for name in publishers
-        )
-    )

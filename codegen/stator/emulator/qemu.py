@@ -17,6 +17,7 @@ from stator.processes import start
 # boards/qemu_f405/link.hpp
 FIFOS = ("to_plant", "from_plant")
 LOG = "flight.ulg"
+MISSION = "mission"
 
 # QEMU 7 has the same chip only under another name, without its priority bits and its memory.
 MACHINE = "olimex-stm32-h405"
@@ -98,14 +99,18 @@ def fly(
     shift: int = SHIFT,
     argument: str = "",
     link: Path | None = None,
+    mission: Path | None = None,
 ) -> subprocess.CompletedProcess[str]:
     """Runs both sides to their end. Returns the plant's output, and as errors: after a failure the
-    messages of both, else the text that the firmware printed."""
+    messages of both, else the text that the firmware printed. `mission`: the memory of the mission
+    device."""
     (HOME / "build").mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="emulate-", dir=HOME / "build") as name:
         folder = Path(name)
         for fifo in FIFOS:
             os.mkfifo(folder / fifo)
+        if mission is not None:
+            shutil.copy(mission, folder / MISSION)
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         # SIGXFSZ stays ignored, as Python has it: a file at its size limit costs the log, not the
         # flight.

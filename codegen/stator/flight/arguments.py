@@ -5,20 +5,27 @@ from __future__ import annotations
 import argparse
 import contextlib
 import math
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
 from stator.arguments import path
 from stator.build.cmake import RECORDING
-from stator.diagnostics import UserError
+from stator.diagnostics import UserError, shown_path
 from stator.flight.faults import Fault, read_faults, unseen
 from stator.flight.invariants import Setting
 from stator.flight.log import MODES
+from stator.mission.fence import Fence
+from stator.mission.read import read_mission
+from stator.mission.route import origin_of, seconds_of, walk
+from stator.mission.store import write
+from stator.mission.vehicle import vehicle_of
 from stator.pipeline import make_plan
 
 if TYPE_CHECKING:
-    from stator.graph.model import Node
+    from collections.abc import Iterator
+
     from stator.mission.model import Mission
     from stator.plan.plan import Plan
 
@@ -26,6 +33,7 @@ MAX_SEED = 2**64 - 1
 MAX_DURATION_S = 1e6
 MAX_SPEED = 1e4
 USUAL_DURATION_S = 120.0
+ENDLESS_S = 600.0  # of a mission that has no end
 MAX_WIND_M_S = 50.0
 MAX_DEGREES = 360.0
 BESIDE = (".truth", ".json", ".png", ".records")  # of files that lie beside a log
@@ -33,15 +41,16 @@ BESIDE = (".truth", ".json", ".png", ".records")  # of files that lie beside a l
 
 def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str) -> None:
     """Adds the arguments that all flights share."""
-    graph = HOME / "graph" / "quad.yaml"
     parser.add_argument(
-        "graph", nargs="?", type=Path, default=graph, help="graph file (default: graph/quad.yaml)"
+        "graph",
+        nargs="?",
+        type=Path,
+        help="graph file (default: graph/quad.yaml, for a mission graph/quad_outdoor.yaml)",
     )
     parser.add_argument("--board", default=board, help=f"{what} (default: {board})")
     parser.add_argument(
         "--duration",
         type=duration_of,
-        default=USUAL_DURATION_S,
         help="longest flight in seconds (default: 120, or more for a mission)",
     )
     parser.add_argument(
@@ -53,6 +62,12 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         help="write no recording for ./stator replay: the log is smaller, and the flight faster",
     )
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    parser.add_argument(
+        "--mission",
+        type=path,
+        metavar="FILE",
+        help="mission to fly: YAML, or a ground station's .plan or waypoints (docs/missions.md)",
+    )
     _add_world_arguments(parser)
 
 
@@ -100,6 +115,54 @@ def _add_world_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="script of the pilot's sticks and switches (docs/simulation.md)",
     )
+
+
+def complete(arguments: argparse.Namespace) -> Mission | None:
+    """Fills in the defaults of the graph and the duration, and reads the mission. Raises
+    `UserError` or `Failed`."""
+    wanted = arguments.mission
+    if arguments.graph is None:
+        name = "quad.yaml" if wanted is None else "quad_outdoor.yaml"
+        arguments.graph = HOME / "graph" / name
+    if wanted is None:
+        arguments.duration = arguments.duration or USUAL_DURATION_S
+        return None
+    plan = make_plan(str(arguments.graph), arguments.board)
+    if not any(node.interface.name == "mission" for node in plan.graph.nodes.values()):
+        raise UserError(
+            f"error: missing node of app 'mission' in {shown_path(arguments.graph)}\n"
+            "hint: omit GRAPH, or include quad_outdoor.yaml in your graph"
+        )
+    vehicle = vehicle_of(plan.graph)
+    mission = read_mission(wanted, vehicle)
+    if arguments.duration is None:
+        seconds = seconds_of(mission, vehicle)
+        more = ENDLESS_S if walk(mission, vehicle).is_endless else 0.0
+        arguments.duration = max(USUAL_DURATION_S, 60.0 + 2.0 * seconds + more)
+    return mission
+
+
+@contextlib.contextmanager
+def memory_of(mission: Mission | None) -> Iterator[Path | None]:
+    """The file that is the memory of the mission device during a flight."""
+    if mission is None:
+        yield None
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "mission"
+        write(mission, file)
+        yield file
+
+
+def place_options(mission: Mission | None) -> list[str]:
+    """Options of the flight program: where on Earth the simulated world lies."""
+    origin = None if mission is None else origin_of(mission)
+    if mission is None or origin is None:
+        return []
+    places = [f"{origin[0]:.9f}", f"{origin[1]:.9f}"]
+    if mission.home is not None and mission.home.altitude is not None:
+        places.append(f"{mission.home.altitude:.3f}")
+    return ["--origin", ",".join(places)]
 
 
 def log_path(text: str) -> Path:
@@ -225,21 +288,21 @@ def setting_of(arguments: argparse.Namespace, mission: Mission | None = None) ->
         return Setting(unseen_s=unseen_s, cannot_steer_s=adrift_s)
     table = commander.interface.failsafe
     assert table is not None
-    fence = {key: _number(commander, key) for key in ("fence_radius", "fence_height")}
+    vehicle = vehicle_of(plan.graph)
+    radius, height, origin = vehicle.fence_radius, vehicle.fence_height, None
     if mission is not None:
-        fence = {key: getattr(mission, key) or value for key, value in fence.items()}
+        origin = origin_of(mission)
+        fence = Fence(mission.areas, origin)
+        radius = fence.home_radius if fence.includes else radius
+        height = mission.ceiling or height
     return Setting(
         needs={MODES[mode]: needs for mode, needs in table.needs.items()},
-        origin=mission.origin if mission else None,
+        fence_radius=radius,
+        fence_height=height,
+        origin=origin,
         unseen_s=unseen_s,
         cannot_steer_s=adrift_s,
-        **fence,
     )
-
-
-def _number(node: Node, key: str) -> float:
-    value = node.params.get(key)
-    return float(value) if isinstance(value, int | float) else 0.0
 
 
 def seed_of(text: str) -> int:

@@ -15,8 +15,11 @@ from stator.build.cmake import short_name
 from stator.diagnostics import UserError, shown_path
 from stator.flight.invariants import Setting, first_broken
 from stator.flight.log import UnreadableFlight, read_truth_columns, topic
+from stator.mission.route import walk
+from stator.mission.vehicle import Vehicle
 
 if TYPE_CHECKING:
+    import argparse
     import subprocess
     from collections.abc import Iterator
 
@@ -88,6 +91,8 @@ def facts_of(
         "recording": str(log.resolve()) if is_recorded else None,
         "speed_vs_real_time": None,
         "lost_samples": None,
+        "refused_publications": None,
+        "refused_output": None,
         "activations": None,
         "preemptions": None,
         "unrecorded_activations": None,
@@ -125,6 +130,12 @@ def facts_of(
     return facts
 
 
+def mission_facts(arguments: argparse.Namespace, mission: Mission | None) -> dict[str, object]:
+    if mission is None:
+        return {"mission": None}
+    return {"mission": arguments.mission.stem, "mission_notes": list(mission.notes)}
+
+
 def _ending(
     log: Path,
     truth: Path,
@@ -142,6 +153,8 @@ def _ending(
     facts = _judged(log, truth, run, mission, in_wind=in_wind)
     if not facts.get("success") and run.get("ended") == "time_limit":
         cut = f"--duration {most_s:g} s ended the flight early"
+        if mission is not None and walk(mission, Vehicle()).is_endless:
+            cut += " (the mission itself has no end)"
         facts["reason"] = f"{cut}; {facts['reason']}"
     if restarts:
         facts["reason"] = f"ended by {RESTART} at {run['simulated_s']:.2f} s; {facts['reason']}"

@@ -14,25 +14,33 @@ import numpy as np
 from stator.flight import log as flight_log
 from stator.flight.judge import Problem, at_end, ending, landing_problems, place, rms
 from stator.flight.log import ARMED, FAILSAFE_EVENTS, MODES, NAV_STATES, in_flight, newest
-from stator.mission.model import EIGHT, LAND, NAMES, RETURN, TAKEOFF, WAYPOINT, Mission
+from stator.graph.messages import own_field
+from stator.mission.commands import EIGHT, FLOWN, LANDINGS, RETURN, TAKEOFFS
+from stator.mission.route import walk
+from stator.mission.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from pyulog import ULog
 
     from stator.flight.log import Flight, Floats
+    from stator.mission.model import Mission
 
     Rows = NDArray[np.bool_]
 
 USUAL_LIMITS = {"touchdown_speed": 1.0}
+# From the place where a return or a landing of the mission leads, unless the file has a limit.
+USUAL_LANDING_ERROR_M = 5.0
 # A vehicle counts as staying after its setpoint has not moved for this time.
 SETTLED_S = 3.0
+FAULTS = {number: name for name, number in own_field("MissionResult", "fault").values}
 CHECKS = {
     "sensors_ok": "a sensor sends nothing",
     "estimator_ok": "the position is unknown",
     "battery_ok": "the battery is low",
     "rc_ok": "no signal from the pilot",
     "logging_ok": "no log is written",
+    "motors_ok": "a motor controller is silent",
     "mission_ok": "the mission cannot be flown",
 }
 
@@ -76,10 +84,9 @@ def judge_mission(log: ULog, flight: Flight, mission: Mission) -> MissionFlight:
     status = flight_log.topic(log, "vehicle_status")
     result.facts |= {"modes": modes_of(status), "limits": limits}
     progress = flight_log.topic(log, "mission_result")
-    total = sum(item.kind not in (RETURN, LAND) for item in mission.items)
-    reached = int(np.max(progress["seq_reached"], initial=-1)) + 1
-    result.facts |= {"items_total": total, "items_reached": min(reached, total)}
-    result.facts["items"] = _items(progress, mission)
+    items = _items(progress, mission)
+    total, reached = len(items), sum(item["reached_s"] is not None for item in items)
+    result.facts |= {"items_total": total, "items_reached": reached, "items": items}
     armed = np.flatnonzero(flight.arming_state == ARMED)
     if armed.size == 0:
         result.problems.append(Problem(f"not armed: {_why_not(log)}"))
@@ -108,12 +115,14 @@ def _measure(
     truth = flight.truth.position - home
     setpoint = _setpoints(log, flight)
     flown = in_flight(flight, flight.truth.time_s)
-    away = _distance_from_way(truth[flown, :2], _way(mission))
+    away = _distance_from_way(truth[flown, :2], _way(mission, _landing_place(log)))
     most = limits.get("corridor")
     result.limit_each("corridor_m", away, most, "distance from the straight path", flight, flown)
-    landing = np.linalg.norm(truth[-1:, :2], axis=1)
-    last = np.arange(len(truth)) == len(truth) - 1
-    most = limits.get("landing_error")
+    place = _landing_place(log)
+    last = (np.arange(len(truth)) == len(truth) - 1) & flight.landed
+    landing = np.linalg.norm(truth[last, :2] - (0.0 if place is None else place), axis=1)
+    usual = USUAL_LANDING_ERROR_M if place is not None and flight.landed else None
+    most = limits.get("landing_error", usual)
     result.limit_each("landing_error_m", landing, most, "landing error", flight, last)
     result.facts |= _errors(log, flight, setpoint + home)
 
@@ -162,14 +171,14 @@ def _items(progress: dict[str, NDArray[np.generic]], mission: Mission) -> list[d
     """Each item that can be reached, and when the vehicle reached it."""
     reached = progress["seq_reached"].astype(np.int64)
     time_s = flight_log.seconds(progress["timestamp"])
-    rows: list[dict[str, object]] = []
-    for number, item in enumerate(mission.items):
-        if item.kind in (RETURN, LAND):
-            continue
-        at = np.flatnonzero(reached >= number)
-        when = float(time_s[at[0]]) if at.size else None
-        rows.append({"kind": NAMES.get(item.kind, str(item.kind)), "reached_s": when})
-    return rows
+    first, rows_of = np.unique(reached, return_index=True)
+    when = dict(zip(first.tolist(), time_s[rows_of].tolist(), strict=True))
+    flown = walk(mission, Vehicle()).flown
+    return [
+        {"number": item.number, "kind": item.name, "reached_s": when.get(index)}
+        for index, item in enumerate(mission.items)
+        if index in flown and item.is_reached and item.command not in LANDINGS
+    ]
 
 
 def _errors(log: ULog, flight: Flight, setpoint: Floats) -> dict[str, object]:
@@ -198,10 +207,27 @@ def _errors(log: ULog, flight: Flight, setpoint: Floats) -> dict[str, object]:
 
 def _why_not(log: ULog) -> str:
     health = flight_log.topic(log, "health_report")
-    return (
-        "; ".join(text for key, text in CHECKS.items() if not health[key][-1])
-        or "no request to arm"
-    )
+    failed = [text for key, text in CHECKS.items() if not health[key][-1]]
+    if not health["mission_ok"][-1]:
+        failed[-1] += f" ({_fault(flight_log.topic(log, 'mission_result'))})"
+    return "; ".join(failed) or "no request to arm"
+
+
+def _fault(progress: dict[str, NDArray[np.generic]]) -> str:
+    """Why the vehicle says that it cannot fly the mission."""
+    name = FAULTS.get(int(progress["fault"][-1]), "unknown").replace("_", " ")
+    if name in ("missing", "unread", "no position", "bad fence"):
+        return name
+    return f"{name}, item {int(progress['fault_seq'][-1]) + 1} of {int(progress['seq_total'][-1])}"
+
+
+def _landing_place(log: ULog) -> Floats | None:
+    """Where a return or a landing of the mission leads, from home; None: nowhere."""
+    progress = flight_log.topic(log, "mission_result")
+    home = flight_log.topic(log, "home_position")
+    place = np.array([progress["land_x"][-1], progress["land_y"][-1]], dtype=np.float64)
+    place -= np.array([home["x"][-1], home["y"][-1]], dtype=np.float64)
+    return place if np.isfinite(place).all() else None
 
 
 def _at(times: Floats, values: Floats, at: float) -> Floats:
@@ -228,11 +254,12 @@ def _at_rest(flight: Flight, setpoint: Floats) -> NDArray[np.bool_]:
     return rests
 
 
-def _way(mission: Mission) -> Floats:
-    """The corners of the straight path, from home to home."""
-    places = [(i.north, i.east) for i in mission.items if i.kind == WAYPOINT]
-    land = [(i.north, i.east) for i in mission.items if i.kind == LAND]
-    return np.array([(0.0, 0.0), *places, *(land or [(0.0, 0.0)])])
+def _way(mission: Mission, landing: Floats | None) -> Floats:
+    """The corners of the straight path, from home to the landing."""
+    visits = walk(mission, Vehicle()).visits
+    places = [v.place.point for v in visits if v.item.command != RETURN]
+    last = (0.0, 0.0) if landing is None else (float(landing[0]), float(landing[1]))
+    return np.array([(0.0, 0.0), *places, last])
 
 
 def _distance_from_way(points: Floats, way: Floats) -> Floats:
@@ -261,8 +288,8 @@ def _tracking(log: ULog, flight: Flight, mission: Mission) -> float | None:
         flight_log.seconds(progress["timestamp"]), progress["seq_current"].astype(np.float64), time
     )
     nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
-    eights = [i for i, m in enumerate(mission.items) if m.kind == EIGHT]
-    counted = eights or [i for i, m in enumerate(mission.items) if m.kind != TAKEOFF]
+    eights = [i for i, m in enumerate(mission.items) if m.command == EIGHT]
+    counted = eights or [i for i, m in enumerate(mission.items) if m.command in FLOWN - TAKEOFFS]
     rows = in_flight(flight, time) & (nav_state == MODES["mission"]) & np.isin(item, counted)
     rows &= np.isfinite(setpoint).all(axis=1)
     error = np.linalg.norm(estimate[rows] - setpoint[rows], axis=1)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 FILE_HEAD = 16
 MESSAGE_HEAD = 3
 RECORDING = ord("X")
+VERSION = 2  # of the recordings that can be replayed: `VERSION` of emit/recording.py
 STREAM, DEFINITION, GAP, CHECK = 0x00, 0x10, 0x20, 0x30
 
 # ULog type -> format of struct
@@ -46,6 +47,11 @@ class Recording:
         _, name, board, file = line.split(" ", 3)
         return name, board, file
 
+    def version(self) -> int:
+        """Of its format; 1 does not name itself."""
+        line = next((line for line in self.lines if line.startswith("recording ")), "recording 1")
+        return int(line.removeprefix("recording "))
+
     def layouts(self) -> dict[str, str]:
         """Topic -> its fields, in ULog's format."""
         topics = (line.split(" ", 2) for line in self.lines if line.startswith("topic "))
@@ -73,6 +79,12 @@ def read_recording(log: Path) -> Recording:
     if not recording.good_bytes or not any(line.startswith("graph ") for line in recording.lines):
         what = recording.problem or "the file ends before the first check"
         raise UserError(f"error: cannot replay '{shown_path(log)}': {what}")
+    if (version := recording.version()) != VERSION:
+        raise UserError(
+            f"error: expected a recording of version {VERSION}, found version {version} in "
+            f"'{shown_path(log)}'\n"
+            "hint: fly again, or replay the log with the Stator that flew it"
+        )
     return recording
 
 
@@ -132,8 +144,17 @@ def fields_of(layout: str, sample: bytes) -> dict[str, int | float | bool]:
     return values
 
 
-def logged_sample(recording: Recording, topic: str, crc: int) -> bytes | None:
-    """The sample with this CRC-32, if the flight log has it."""
+def sample_hash(sample: bytes) -> int:
+    """The same as in runtime/bytes/stator/sample_hash.hpp."""
+    result = 0
+    for (word,) in struct.iter_unpack("<I", sample):
+        result = (result ^ word) * 0x9E3779B1 & 0xFFFFFFFF
+        result ^= result >> 15
+    return result
+
+
+def logged_sample(recording: Recording, topic: str, wanted: int) -> bytes | None:
+    """The sample with this hash, if the flight log has it."""
     size = _bytes_of(recording.layouts()[topic])
     data, at, number = recording.data, FILE_HEAD, None
     while at + MESSAGE_HEAD <= recording.good_bytes:
@@ -143,7 +164,7 @@ def logged_sample(recording: Recording, topic: str, crc: int) -> bytes | None:
             number = data[at + 4 : at + 6]
         elif kind == ord("D") and data[at + 3 : at + 5] == number:
             sample = data[at + 5 : end].ljust(size, b"\0")
-            if zlib.crc32(sample) == crc:
+            if sample_hash(sample) == wanted:
                 return sample
         at = end
     return None

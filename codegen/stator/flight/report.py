@@ -70,10 +70,11 @@ def limit_of(most: float | None, unit: str) -> str:
     return "" if most is None else f" (limit {most:g} {unit})"
 
 
+MAX_ITEM_ROWS = 40
 # Measured facts of a mission: the limit in its file, and the text.
 MEASURED = {
     "corridor_m": ("corridor", "greatest distance from the straight path"),
-    "landing_error_m": ("landing_error", "distance from home at the landing"),
+    "landing_error_m": ("landing_error", "distance from the planned place at the landing"),
     "hold_horizontal_rms_m": ("hold_horizontal_rms", "horizontal RMS error while staying"),
     "hold_vertical_rms_m": ("hold_vertical_rms", "vertical RMS error while staying"),
     "tracking_rms_m": (
@@ -94,10 +95,16 @@ def _mission_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     assert isinstance(modes, list)
     assert isinstance(limits, dict)
     rows = [("mission", f"{facts['items_reached']} of {facts['items_total']} items reached")]
+    notes = facts.get("mission_notes", [])
+    assert isinstance(notes, list)
+    rows += [("note", str(note)) for note in notes]
     for number, item in enumerate(items, 1):
         when = item["reached_s"]
         reached = "not reached" if when is None else f"{when:6.2f} s"
-        rows.append(("items", f"{number:2} {item['kind']:<16}{reached}"))
+        rows.append(("items", f"{item.get('number', number):2} {item['kind']:<16}{reached}"))
+    if len(rows) > MAX_ITEM_ROWS:
+        left = len(rows) - MAX_ITEM_ROWS
+        rows[MAX_ITEM_ROWS:] = [("items", f"and {left} more; --json has them all")]
     for mode in modes:
         why = f"  failsafe {mode['failsafe']}" if mode["failsafe"] else ""
         state = mode["mode"] if mode["armed"] else "disarmed"
@@ -160,6 +167,11 @@ def watch_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     if facts["missed_life_signs"]:
         missed = f"{facts['missed_life_signs']} missed life signs; the log names the tasks"
         rows.append(("life signs", missed))
+    if facts["refused_publications"]:
+        refused = f"{facts['refused_publications']} publications, the last of"
+        rows.append(
+            ("refused", f"{refused} {facts['refused_output']}: more than its `burst` allows")
+        )
     if facts["unrecorded_activations"]:
         lost = f"{facts['unrecorded_activations']:,} activations are not recorded (buffer full)"
         rows.append(("recording", f"it has a gap: {lost}; a replay ends there"))

@@ -227,8 +227,8 @@ OUTPUT_PORT = Struct(
         "message": _MESSAGE,
         "burst": Key(
             Integer(1, DEPTHS[-1]),
-            "The highest number of publications in one activation. Readers of the same or a lower "
-            "priority need this depth.",
+            "The highest number of publications in one activation; 1 if left out. Any more are "
+            "refused and counted. Readers of the same or a lower priority need this depth.",
         ),
         "doc": _PORT_DOC,
     }

@@ -1,105 +1,84 @@
-"""Missions, read from YAML or from the files of ground stations, and sent as one message.
-
-North and east are metres from the origin of the mission; height is metres above home.
-"""
+"""A mission as ground and vehicle have it: items with the fields of MAVLink's MISSION_ITEM_INT,
+a fence, rally points."""
 
 from __future__ import annotations
 
 import math
-import struct
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
-from stator import HOME
 from stator.build.cpp_source import constant
-from stator.diagnostics import Mark, Report
-from stator.graph.messages import find_message, own_field
-from stator.graph.model import TYPES
-from stator.graph.sources import Sources
+from stator.mission.commands import LOCAL, NO_PLACE, PLACES, TAKEOFFS, name_of
 
-if TYPE_CHECKING:
-    from stator.graph.model import Field
-
-MAX_ITEMS = own_field("Mission", "kind").count or 0
 NAN = math.nan
-FOREVER_S = 1e9
-WAYPOINT, RETURN, LAND, TAKEOFF, EIGHT = 16, 20, 21, 22, 35
-NAMES = {
-    WAYPOINT: "waypoint",
-    RETURN: "return",
-    LAND: "land",
-    TAKEOFF: "takeoff",
-    EIGHT: "figure of eight",
-}
-USUAL_RADIUS_M = 1.0  # the distance at which a waypoint counts as reached
-SHORTEST_EIGHT_M = constant("apps/navigator/route.cpp", "kShortestEight")
+USUAL_RADIUS_M = constant("apps/navigator/item.hpp", "kUsualRadius")
+SHORTEST_EIGHT_M = constant("apps/navigator/item.hpp", "kShortestEight")
+_STORE = "drivers/mission/mission_store.hpp"
+MAX_ITEMS = int(constant(_STORE, "kMaxItems"))
+MAX_FENCE_ITEMS = int(constant(_STORE, "kMaxFenceItems"))
+MAX_RALLY_POINTS = int(constant(_STORE, "kMaxRallyPoints"))
+MAX_AREAS = int(constant("apps/navigator/geofence.hpp", "kMaxAreas"))
+MAX_JUMPS = int(constant("apps/navigator/sequence.hpp", "kMaxJumps"))
 MIN_CLIMB_M = 0.5
-# The limits of the parameters `farthest` of the navigator and `fence_height` of the commander.
+# The limits of the navigator's parameters `farthest` and `fence_height`.
 MAX_AWAY_M = MAX_HEIGHT_M = 10_000.0
 
 
 @dataclass(frozen=True)
 class Item:
-    kind: int
-    north: float
-    east: float
-    height: float
-    heading: float = NAN
-    radius: float = USUAL_RADIUS_M  # of an eight: its length
-    hold: float = 0.0  # s; of an eight: its laps
-    speed: float = NAN
+    """`x`, `y`: latitude and longitude in deg, in the local frame metres north and east of home;
+    not a number: none. `z`: the height, also in the local frame."""
+
+    command: int
+    frame: int
+    params: tuple[float, float, float, float]
+    x: float = NAN
+    y: float = NAN
+    z: float = NAN
+    autocontinue: bool = True
+    number: int = 0  # in its file, from 1
+    label: str = ""  # how messages name it: "item 3", "item 3, point 5"
+    is_extra: bool = False  # the file has no item for it
+
+    @property
+    def name(self) -> str:
+        return name_of(self.command)
+
+    @property
+    def has_place(self) -> bool:
+        if self.frame == NO_PLACE or not (math.isfinite(self.x) and math.isfinite(self.y)):
+            return False
+        return self.frame == LOCAL or (self.x, self.y) != (0.0, 0.0)
+
+    @property
+    def is_reached(self) -> bool:
+        """Whether a report counts it."""
+        return self.command in PLACES | TAKEOFFS and not self.is_extra
+
+
+@dataclass(frozen=True)
+class Area:
+    """A part of a fence: the places of a polygon, or a circle about its one place. A circle about
+    home has none."""
+
+    includes: bool
+    places: tuple[tuple[float, float], ...]  # latitude, longitude
+    radius: float = 0.0  # of a circle
+    label: str = "the fence"
+
+
+@dataclass(frozen=True)
+class Home:
+    latitude: float
+    longitude: float
+    altitude: float | None = None  # above mean sea level
 
 
 @dataclass(frozen=True)
 class Mission:
     items: tuple[Item, ...]
-    origin: tuple[float, float] | None = None  # latitude and longitude in deg; None: home
-    fence_radius: float = 0.0  # m; 0: the commander's parameter
-    fence_height: float = 0.0
+    home: Home | None = None  # where it was planned; None: where it is flown
+    areas: tuple[Area, ...] = ()
+    ceiling: float = 0.0  # m above home; 0: the navigator's parameter
+    rally: tuple[tuple[float, float, float], ...] = ()  # latitude, longitude, height above home
+    notes: tuple[str, ...] = ()  # what is not done as the file has it
     limits: dict[str, float] = field(default_factory=dict)  # of a successful flight: see LIMITS
-
-    @property
-    def seconds(self) -> float:
-        """Roughly how long it takes, without items that have no end."""
-        total, here = 60.0, (0.0, 0.0, 0.0)
-        for item in self.items:
-            there = (item.north, item.east, item.height)
-            speed = 3.0 if math.isnan(item.speed) else item.speed
-            total += math.dist(here, there) / min(speed, 1.0) + 10.0
-            laps = 3.0 * item.radius * item.hold / speed
-            total += laps if item.kind == EIGHT else min(item.hold, 600.0)
-            here = there
-        return total
-
-
-def packed(mission: Mission) -> bytes:
-    """The bytes of the message Mission, as the compiler lays it out."""
-    report = Report()
-    message = find_message(Sources(HOME, report), "Mission", Mark(HOME, 1, 1))
-    assert message is not None
-    values = _values(mission)
-    return b"".join(_packed(f, values.get(f.name, [])) for f in message.fields)
-
-
-def _values(mission: Mission) -> dict[str, list[float]]:
-    origin = mission.origin or (NAN, NAN)
-    columns = ("kind", "north", "east", "height", "heading", "radius", "hold", "speed")
-    return {
-        "origin_lat": [origin[0]],
-        "origin_lon": [origin[1]],
-        "fence_radius": [mission.fence_radius],
-        "fence_height": [mission.fence_height],
-        "count": [len(mission.items)],
-        **{name: [getattr(item, name) for item in mission.items] for name in columns},
-    }
-
-
-_CODES = {"uint8": "B", "uint64": "Q", "float": "f", "double": "d"}
-
-
-def _packed(item: Field, values: list[float]) -> bytes:
-    count = item.count or 1
-    filled = [*values, *[0] * (count - len(values))]
-    data = struct.pack(f"<{count}{_CODES[item.type]}", *filled)
-    assert len(data) == TYPES[item.type][2] * count
-    return data

@@ -1,275 +1,276 @@
-"""Missions in the files of ground stations: QGroundControl's .plan (JSON), and the older text
-format "QGC WPL 110" of Mission Planner and others. Commands and frames: MAVLink's common.xml."""
+"""Missions of QGroundControl: its .plan (JSON), and the .mission of its first versions."""
 
 from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from stator.diagnostics import UserError
+from stator.mission.builder import MAX_NUMBER, Builder
+from stator.mission.complex_items import add_complex_item
 from stator.mission.model import (
-    EIGHT,
-    FOREVER_S,
-    LAND,
+    MAX_AREAS,
+    MAX_FENCE_ITEMS,
+    MAX_RALLY_POINTS,
     NAN,
-    RETURN,
-    TAKEOFF,
-    USUAL_RADIUS_M,
-    WAYPOINT,
-    Item,
+    Area,
+    Home,
     Mission,
 )
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from stator.mission.problems import Problems
 
-LOITER_UNLIMITED, LOITER_TIME, CHANGE_SPEED = 17, 19, 178
-SUPPORTED = (
-    "waypoint (16), loiter (17, 19), return (20), land (21), take-off (22), figure of eight (35) "
-    "and change of speed (178)"
-)
-# Names of commands that plans often hold, so that an error can name them.
-OTHERS = {
-    18: "loiter turns", 31: "loiter to altitude", 82: "spline waypoint", 84: "VTOL take-off",
-    85: "VTOL land", 93: "delay", 112: "condition delay", 115: "condition yaw", 177: "jump",
-    179: "set home", 183: "set servo", 189: "landing start", 195: "region of interest",
-    197: "no region of interest", 201: "region of interest", 203: "camera trigger",
-    205: "mount control", 206: "camera trigger distance", 530: "camera mode", 2000: "take photos",
-    2001: "stop photos", 2500: "start video", 2501: "stop video", 3000: "VTOL transition",
+SAVE_AGAIN = "save the plan again in the ground station"
+ARDUPILOT = 3  # MAV_AUTOPILOT
+# MAV_TYPE: what a plan may be for.
+MULTICOPTERS = frozenset((0, 2, 3, 4, 13, 14, 15, 29, 35))
+VTOLS = frozenset(range(19, 26))
+OTHER_VEHICLES = {
+    1: "a fixed-wing plane", 7: "an airship", 8: "a balloon", 9: "a rocket", 10: "a rover",
+    11: "a boat", 12: "a submarine", 16: "a flapping wing", 17: "a kite", 28: "a parafoil",
 }  # fmt: skip
-MAX_FENCE_OFFSET_M = 5.0
-MAX_NUMBER = 1e9  # the same value as FOREVER_S
-ABOVE_SEA, NO_PLACE, ABOVE_HOME = (0, 5), (2,), (3, 6)
+_VERSIONS = {"": (1,), "mission": (1, 2), "geoFence": (1, 2), "rallyPoints": (1, 2)}
 
 
-@dataclass(frozen=True)
-class _Row:
-    """One item of a file: its number, counted from 1, and its MAVLink fields."""
-
-    number: int
-    command: int
-    frame: int
-    params: tuple[float, ...]  # seven; NaN: not given
-
-
-class _Refusal(Exception):
-    pass
-
-
-def read_plan(path: Path) -> Mission:
-    """Raises `UserError`, which names the wrong item."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-        return _read_text(text) if text.startswith("QGC WPL") else _read_json(text)
-    except (_Refusal, UnicodeDecodeError) as refusal:
-        raise UserError(f"error: {path}: {refusal}") from refusal
-
-
-# --- the two formats ---
-
-
-def _read_json(text: str) -> Mission:
+def read_json(text: str, problems: Problems) -> Mission:
     try:
         plan = json.loads(text)
     except (ValueError, RecursionError) as error:  # ValueError: also a number of 5000 digits
-        raise _Refusal(f"invalid JSON: {error}\nhint: save the plan again") from error
-    if not isinstance(plan, dict) or plan.get("fileType") != "Plan":
-        raise _Refusal(
-            "expected a plan with fileType 'Plan', found another file\n"
-            "hint: save it in the ground station as a plan"
+        problems.add(0, f"invalid JSON: {error}", SAVE_AGAIN)
+        return Mission(())
+    is_plan = isinstance(plan, dict) and plan.get("fileType") == "Plan"
+    is_old = isinstance(plan, dict) and "fileType" not in plan and "items" in plan
+    if not is_plan and not is_old:
+        problems.add(
+            0,
+            "expected a plan with fileType 'Plan', found another file",
+            "save it in the ground station as a plan",
         )
-    mission = plan.get("mission")
-    items = mission.get("items") if isinstance(mission, dict) else None
-    home = mission.get("plannedHomePosition") if isinstance(mission, dict) else None
-    if not isinstance(items, list) or not _is_numbers(home, 3):
-        raise _Refusal(
-            "missing mission with a planned home position\nhint: plan a mission, and save it"
+        return Mission(())
+    mission = mapping(plan if is_old else plan.get("mission"))
+    if is_plan:
+        _check_versions(plan, problems)
+    items = mission.get("items")
+    planned = mission.get("plannedHomePosition")
+    if isinstance(planned, dict):  # of a .mission
+        planned = planned.get("coordinate")
+    if not isinstance(items, list) or not isinstance(planned, list):
+        problems.add(
+            0, "missing mission with a planned home position", "plan a mission, and save it"
         )
-    assert isinstance(home, list)
-    rows = [_row_of(number, item) for number, item in enumerate(items, 1)]
-    origin = (float(home[0]), float(home[1]))
-    return Mission(_items(rows, origin, float(home[2])), origin, fence_radius=_fence(plan, origin))
+        return Mission(())
+    builder = Builder(problems, is_ardupilot=mission.get("firmwareType") == ARDUPILOT)
+    _check_vehicle(mission.get("vehicleType"), builder)
+    home = _home(planned, problems)
+    for number, item in enumerate(items, 1):
+        _add_item(builder, number, item)
+    areas = _areas(mapping(plan.get("geoFence")), builder)
+    rally = _rally_points(mapping(plan.get("rallyPoints")), problems)
+    return Mission(builder.finish(), home, areas, rally=rally, notes=builder.notes)
 
 
-def _is_numbers(value: Any, count: int) -> bool:
-    return (
-        isinstance(value, list)
-        and len(value) == count
-        and all(_is_number(v) and abs(v) <= MAX_NUMBER for v in value)
-    )
-
-
-def _row_of(number: int, item: Any) -> _Row:
-    if not isinstance(item, dict) or item.get("type") != "SimpleItem":
-        kind = item.get("complexItemType", "item") if isinstance(item, dict) else "item"
-        raise _Refusal(
-            f"item {number} is a {kind}, which is not supported\n"
-            f"hint: fly it as single waypoints; supported items: {SUPPORTED}"
-        )
-    command, frame, params = (item.get(key) for key in ("command", "frame", "params"))
-    if not isinstance(command, int) or not isinstance(frame, int) or not _is_params(params):
-        raise _Refusal(f"item {number} is incomplete\nhint: save the plan again")
-    assert isinstance(params, list)
-    return _row(number, command, frame, [NAN if value is None else value for value in params])
-
-
-def _row(number: int, command: int, frame: int, params: list[float]) -> _Row:
-    for index, value in enumerate(params, 1):
-        if abs(value) > MAX_NUMBER:
-            raise _Refusal(
-                f"item {number}: parameter {index}: expected a number from {-MAX_NUMBER:g} to "
-                f"{MAX_NUMBER:g}, found another\nhint: correct it, and save the plan again"
-            )
-    return _Row(number, command, frame, tuple(float(value) for value in params))
-
-
-def _is_params(value: Any) -> bool:
-    return (
-        isinstance(value, list)
-        and len(value) == 7
-        and all(v is None or _is_number(v) for v in value)
-    )
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _read_text(text: str) -> Mission:
-    """One item a line: index, current, frame, command, seven numbers, autocontinue. The first item
-    is home."""
-    rows = []
-    for number, line in enumerate(text.splitlines()[1:]):
-        words = line.split()
-        if not words:
-            continue
-        try:
-            values = [float(word) for word in words]
-        except ValueError:
-            values = []
-        if len(values) != 12 or not all(value.is_integer() for value in values[2:4]):
-            raise _Refusal(
-                f"line {number + 2}: expected an item of 12 numbers, found another text\n"
-                "hint: save the mission again"
-            )
-        rows.append(_row(number, int(values[3]), int(values[2]), values[4:11]))
-    if not rows or not all(math.isfinite(v) for v in rows[0].params[4:]):
-        raise _Refusal("missing home position\nhint: save the mission again")
-    latitude, longitude, altitude = rows[0].params[4:]
-    return Mission(_items(rows[1:], (latitude, longitude), altitude), (latitude, longitude))
-
-
-def _fence(plan: dict[str, Any], origin: tuple[float, float]) -> float:
-    """The radius of the fence. A vehicle can watch one circle around home."""
-    fence = _mapping(plan.get("geoFence"))
-    if fence.get("polygons"):
-        raise _Refusal(
-            "the fence has a polygon, which is not supported\nhint: draw a circle around home"
-        )
-    circles = fence.get("circles") or []
-    if not circles:
-        return 0.0
-    only = _mapping(circles[0]) if isinstance(circles, list) and len(circles) == 1 else {}
-    circle = _mapping(only.get("circle"))
-    center: Any = circle.get("center")
-    radius: Any = circle.get("radius")
-    is_circle = _is_numbers(center, 2) and _is_numbers([radius], 1) and radius > 0.0
-    if not only.get("inclusion") or not is_circle:
-        raise _Refusal(
-            "expected a fence of one inclusion circle, found another fence\n"
-            "hint: draw one circle around home, and remove the others"
-        )
-    if math.hypot(*to_local(origin, (center[0], center[1]))) > MAX_FENCE_OFFSET_M:
-        raise _Refusal(
-            "expected the fence's circle around the planned home, found it elsewhere\n"
-            "hint: move the circle to the planned home"
-        )
-    return float(radius)
-
-
-def _mapping(value: Any) -> dict[str, Any]:
+def mapping(value: Any) -> dict[str, Any]:
     return value if isinstance(value, dict) else {}
 
 
-# --- what the items mean ---
+def is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _items(rows: list[_Row], origin: tuple[float, float], home_altitude: float) -> tuple[Item, ...]:
-    items: list[Item] = []
-    speed = NAN
-    here = Item(WAYPOINT, 0.0, 0.0, 0.0)
-    for row in rows:
-        if row.command == CHANGE_SPEED:
-            speed = row.params[1] if row.params[1] > 0.0 else speed
-            continue
-        here = _item(row, replace(here, speed=speed), origin, home_altitude)
-        items.append(here)
-    return tuple(items)
-
-
-def _item(row: _Row, before: Item, origin: tuple[float, float], home_altitude: float) -> Item:
-    """`before` gives the place if the row has none."""
-    first, second, _, fourth, latitude, longitude, _ = row.params
-    if row.command == RETURN:
-        return replace(before, kind=RETURN, hold=0.0)
-    kind = {LOITER_UNLIMITED: WAYPOINT, LOITER_TIME: WAYPOINT}.get(row.command, row.command)
-    if kind not in (WAYPOINT, LAND, TAKEOFF, EIGHT):
-        name = OTHERS.get(row.command, "command")
-        raise _Refusal(
-            f"item {row.number} is '{name}' ({row.command}), which is not supported\n"
-            f"hint: remove it; supported items: {SUPPORTED}"
-        )
-    north, east = before.north, before.east
-    if math.isfinite(latitude) and math.isfinite(longitude) and (latitude, longitude) != (0.0, 0.0):
-        north, east = to_local(origin, (latitude, longitude))
-    height = _height(row, before, home_altitude)
-    heading = math.radians(fourth)  # NaN stays NaN
-    place = Item(kind, north, east, height, heading, speed=before.speed)
-    if row.command == LOITER_UNLIMITED:
-        return replace(place, hold=FOREVER_S)
-    if row.command == EIGHT:
-        if first < 0.0:
-            raise _Refusal(
-                f"item {row.number}: expected a radius above 0 m for a figure of eight, found "
-                f"{first:g} m\nhint: reverse the direction, and give a radius above 0"
-            )
-        return replace(place, heading=fourth, radius=2.0 * first, hold=1.0)
-    if row.command == LOITER_TIME:
-        return replace(place, hold=max(first, 0.1))
-    if row.command == LAND:
-        return replace(place, height=before.height)  # it descends from there
-    hold = first if first > 0.0 and row.command == WAYPOINT else 0.0
-    return replace(place, hold=hold, radius=second if second > 0.0 else USUAL_RADIUS_M)
-
-
-def _height(row: _Row, before: Item, home_altitude: float) -> float:
-    altitude = row.params[6]
-    if row.frame in NO_PLACE or not math.isfinite(altitude):
-        return before.height
-    if row.frame in ABOVE_HOME:
-        return altitude
-    if row.frame in ABOVE_SEA:
-        return altitude - home_altitude
-    raise _Refusal(
-        f"item {row.number}: frame {row.frame} is not supported\n"
-        "hint: give heights above home or above mean sea level"
-    )
-
-
-def to_local(origin: tuple[float, float], place: tuple[float, float]) -> tuple[float, float]:
-    """Metres north and east, as in runtime/math/stator/geodesy.hpp."""
-    flattening = 1.0 / 298.257223563
-    eccentricity2 = flattening * (2.0 - flattening)
-    latitude = math.radians(origin[0])
-    w2 = 1.0 - eccentricity2 * math.sin(latitude) ** 2
-    transverse = 6378137.0 / math.sqrt(w2)
-    meridional = transverse * (1.0 - eccentricity2) / w2
-    bend = 0.5 * transverse * math.sin(latitude) * math.cos(latitude)
-    dlat = math.radians(place[0] - origin[0])
-    dlon = math.remainder(math.radians(place[1] - origin[1]), math.tau)
+def is_place(value: Any) -> bool:
+    """A list that begins with a latitude and a longitude."""
     return (
-        meridional * dlat + bend * dlon**2,
-        transverse * math.cos(math.radians(place[0])) * dlon,
+        isinstance(value, list)
+        and len(value) >= 2
+        and all(is_number(v) for v in value[:2])
+        and abs(value[0]) < 90.0
+        and abs(value[1]) <= 180.0
     )
+
+
+def _check_versions(plan: dict[str, Any], problems: Problems) -> None:
+    for key, known in _VERSIONS.items():
+        part = mapping(plan.get(key)) if key else plan
+        version = part.get("version", known[-1])
+        if version not in known:
+            what = f"version of {key}" if key else "version of the plan"
+            problems.add(
+                0,
+                f"{what}: expected {' or '.join(map(str, known))}, found {str(version)[:40]}",
+                SAVE_AGAIN,
+            )
+
+
+def _check_vehicle(kind: Any, builder: Builder) -> None:
+    if kind is None or (is_number(kind) and kind in MULTICOPTERS):
+        return
+    if is_number(kind) and kind in VTOLS:
+        builder.note("the plan is for a VTOL; it is flown without wings")
+        return
+    found = OTHER_VEHICLES.get(kind) if is_number(kind) else None
+    builder.problems.add(
+        0,
+        f"expected a plan for a multicopter, found one for {found or f'vehicle type {kind}'}"[:200],
+        "choose a multicopter in the ground station, and plan it again",
+    )
+
+
+def _home(planned: list[Any], problems: Problems) -> Home | None:
+    """None if none was set. Only heights above the sea need its altitude."""
+    if planned[:2] in ([0, 0], [None, None]):
+        return None
+    altitude = planned[2] if len(planned) > 2 else None
+    is_good = is_place(planned) and (
+        altitude is None or (is_number(altitude) and not abs(altitude) > MAX_NUMBER)
+    )
+    if not is_good:
+        problems.add(
+            0,
+            "expected a planned home position of latitude, longitude and altitude, found another",
+            "plan a mission, and save it",
+        )
+        return None
+    known = None if altitude is None or not math.isfinite(altitude) else float(altitude)
+    return Home(float(planned[0]), float(planned[1]), known)
+
+
+# --- items ---
+
+
+def _add_item(builder: Builder, number: int, item: Any) -> None:
+    kind = item.get("type") if isinstance(item, dict) else None
+    if kind == "ComplexItem":
+        points = add_complex_item(builder, number, item)
+        for point, inner in enumerate(points, 1):
+            _add_simple_item(builder, number, f"item {number}, point {point}", inner)
+    elif kind in ("SimpleItem", "missionItem"):
+        _add_simple_item(builder, number, f"item {number}", item)
+    else:
+        shown = str(kind)[:40] if kind is not None else "another thing"
+        builder.problems.add(
+            number,
+            f"item {number}: expected a SimpleItem or a ComplexItem, found {shown}",
+            SAVE_AGAIN,
+        )
+
+
+def _add_simple_item(builder: Builder, number: int, label: str, item: Any) -> None:
+    item = mapping(item)
+    command, frame = _whole(item.get("command")), _whole(item.get("frame"))
+    params = item.get("params")
+    if params is None:  # the layout of the first versions
+        coordinate = item.get("coordinate")
+        params = [item.get(f"param{i}") for i in range(1, 5)]
+        params += coordinate if isinstance(coordinate, list) else []
+    is_list = isinstance(params, list) and len(params) == 7
+    if command is None or frame is None or not is_list or not all(_is_param(v) for v in params):
+        builder.problems.add(number, f"{label} is incomplete", SAVE_AGAIN)
+        return
+    values = [NAN if value is None else _float(value) for value in params]
+    goes_on = item.get("autoContinue", True)
+    builder.add(
+        number,
+        label,
+        command,
+        frame,
+        values,
+        autocontinue=goes_on is not False and goes_on != 0,
+        jump_id=_whole(item.get("doJumpId", item.get("id"))),
+    )
+
+
+def _is_param(value: Any) -> bool:
+    return value is None or is_number(value)
+
+
+def _float(value: float) -> float:
+    try:
+        return float(value)
+    except OverflowError:  # an integer of 400 digits
+        return math.inf
+
+
+def _whole(value: Any) -> int | None:
+    if not is_number(value) or value != value or abs(value) > 65535 or int(value) != value:
+        return None
+    return int(value)
+
+
+# --- fence and rally points ---
+
+
+def _areas(fence: dict[str, Any], builder: Builder) -> tuple[Area, ...]:
+    problems = builder.problems
+    if fence.get("breachReturn"):
+        builder.note("the breach return point is not used: a return leads home or to a rally point")
+    areas = []
+    for kind, read in (("circle", _circle), ("polygon", _polygon)):
+        parts = fence.get(f"{kind}s") or []
+        if fence.get("version") == 1 and kind == "polygon":
+            parts = [{"polygon": fence["polygon"]}] if fence.get("polygon") else []
+        if not isinstance(parts, list):
+            parts = [parts]
+        for number, part in enumerate(parts, 1):
+            area = read(mapping(part), f"fence, {kind} {number}")
+            if area is None:
+                expected = {
+                    "circle": "a center and a radius above 0",
+                    "polygon": "3 places or more",
+                }
+                what = f"fence, {kind} {number}: expected {expected[kind]}, found another"
+                problems.add(0, what, "draw the fence again, and save the plan")
+            else:
+                areas.append(area)
+    count = sum(len(area.places) for area in areas)
+    if len(areas) > MAX_AREAS or count > MAX_FENCE_ITEMS:
+        problems.add(
+            0,
+            f"expected a fence of at most {MAX_AREAS} areas and {MAX_FENCE_ITEMS} places, found "
+            f"{len(areas)} and {count}",
+            "draw a simpler fence",
+        )
+    return tuple(areas)
+
+
+def _circle(part: dict[str, Any], label: str) -> Area | None:
+    circle = mapping(part.get("circle"))
+    center: Any = circle.get("center")
+    radius: Any = circle.get("radius")
+    if not is_place(center) or not is_number(radius) or not 0.0 < radius <= MAX_NUMBER:
+        return None
+    place = (float(center[0]), float(center[1]))
+    return Area(_includes(part), (place,), float(radius), label)
+
+
+def _polygon(part: dict[str, Any], label: str) -> Area | None:
+    places = part.get("polygon")
+    if not isinstance(places, list) or len(places) < 3 or not all(is_place(p) for p in places):
+        return None
+    return Area(_includes(part), tuple((float(p[0]), float(p[1])) for p in places), 0.0, label)
+
+
+def _includes(part: dict[str, Any]) -> bool:
+    return part.get("inclusion", True) is not False
+
+
+def _rally_points(
+    rally: dict[str, Any], problems: Problems
+) -> tuple[tuple[float, float, float], ...]:
+    points = rally.get("points") or []
+    if not isinstance(points, list):
+        points = [points]
+    for number, point in enumerate(points, 1):
+        is_good = is_place(point) and len(point) == 3 and is_number(point[2])
+        if not is_good or not abs(point[2]) <= MAX_NUMBER:
+            problems.add(
+                0,
+                f"rally point {number}: expected latitude, longitude and height, found another",
+                SAVE_AGAIN,
+            )
+            return ()
+    if len(points) > MAX_RALLY_POINTS:
+        what = f"expected at most {MAX_RALLY_POINTS} rally points, found {len(points)}"
+        problems.add(0, what, "remove some")
+        return ()
+    return tuple((float(p[0]), float(p[1]), float(p[2])) for p in points)

@@ -2,113 +2,53 @@
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from stator.diagnostics import UserError
-from stator.mission.model import (
-    EIGHT,
-    FOREVER_S,
-    LAND,
-    MAX_AWAY_M,
-    MAX_HEIGHT_M,
-    MAX_ITEMS,
-    MIN_CLIMB_M,
-    NAMES,
-    RETURN,
-    SHORTEST_EIGHT_M,
-    TAKEOFF,
-    Item,
-    Mission,
-)
-from stator.mission.plan_file import read_plan
+from stator.diagnostics import MAX_BYTES, UserError
+from stator.mission.check import check
+from stator.mission.plan_file import read_json
+from stator.mission.problems import Problems
+from stator.mission.text_file import read_text
+from stator.mission.vehicle import Vehicle
 from stator.mission.yaml import read_yaml
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from stator.mission.model import Mission
 
-def read_mission(path: Path) -> Mission:
-    """Raises `UserError` or `Failed`."""
 
+def read_mission(path: Path, vehicle: Vehicle | None = None) -> Mission:
+    """Checked against this vehicle. Raises `UserError` or `Failed`, with every error."""
     try:
-        start = path.read_bytes()[:64].lstrip()
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
     except OSError as error:
         raise UserError(
             f"error: cannot read the mission '{path}': {error.strerror}\n"
             "hint: give a mission, for example graph/missions/square.yaml or a ground station's "
             ".plan"
         ) from error
-    is_plan = start.startswith((b"{", b"QGC WPL"))
-    mission = read_plan(path) if is_plan else read_yaml(path)
-    _check(path, mission)
-    return mission
+    problems = Problems(path)
+    if len(content) > MAX_BYTES:
+        problems.add(0, f"expected at most {MAX_BYTES} bytes, found more", "give a mission")
+        problems.stop()
+    start = content[:64].removeprefix(b"\xef\xbb\xbf").lstrip()
+    if start.startswith((b"{", b"QGC WPL")):
+        mission = _read_ground_station(content, problems)
+    else:
+        mission = read_yaml(path, problems)
+    notes = check(mission, vehicle or Vehicle(), problems)
+    problems.stop()
+    return replace(mission, notes=(*mission.notes, *notes))
 
 
-def _check(path: Path, mission: Mission) -> None:
-    """Refuses what the vehicle would refuse later without a reason."""
-    items = mission.items
-
-    def refuse(number: int, what: str, hint: str) -> UserError:
-        name = NAMES[items[number].kind] if items else "nothing"
-        return UserError(f"error: {path}: item {number + 1}, {name}: {what}\nhint: {hint}")
-
-    if not items:
-        raise UserError(
-            f"error: {path}: expected at least one item, found none\nhint: add a takeoff first"
-        )
-    if len(items) > MAX_ITEMS:
-        what = f"expected at most {MAX_ITEMS} items, found {len(items)}"
-        raise refuse(MAX_ITEMS, what, "fly the rest as another mission")
-    for number, item in enumerate(items):
-        if (item.kind == TAKEOFF) != (number == 0):
-            first = number == 0
-            what = "expected a takeoff as the first item" if first else "duplicate takeoff"
-            raise refuse(number, what, "add a takeoff in front" if first else "remove it")
-        ends = item.kind in (RETURN, LAND) or item.hold >= FOREVER_S
-        if ends and number + 1 < len(items):
-            raise refuse(
-                number + 1,
-                "never reached: the item before it ends the mission",
-                "remove this item and those behind it",
-            )
-        fault = None if item.kind == RETURN else _fault(item, mission)
-        if fault is not None:
-            raise refuse(number, *fault)
-
-
-def _fault(item: Item, mission: Mission) -> tuple[str, str] | None:
-    """The error in the item's size or place, and the hint; None if there is none."""
-    is_eight = item.kind == EIGHT
-    if is_eight and not item.radius >= SHORTEST_EIGHT_M:
-        least = f"{SHORTEST_EIGHT_M:g} m"
-        what = f"expected a length of at least {least}, found {item.radius:g} m"
-        return what, f"write {least} or more; the length is twice the radius"
-    if item.kind == TAKEOFF and not item.height >= MIN_CLIMB_M:
-        what = f"expected a height of at least {MIN_CLIMB_M:g} m, found {item.height:g} m"
-        return what, f"write {MIN_CLIMB_M:g} m or more"
-    if item.kind != LAND and not item.height > 0.0:
-        what = f"expected a height above 0 m, found {item.height:g} m"
-        return what, "give it a height above home"
-    if 0.0 < mission.fence_height < item.height:
-        what = (
-            f"expected a height of at most {mission.fence_height:g} m (the fence), found "
-            f"{item.height:g} m"
-        )
-        return what, "lower it, or enlarge the fence"
-    if item.height > MAX_HEIGHT_M:
-        what = f"expected a height of at most {MAX_HEIGHT_M:g} m, found {item.height:g} m"
-        return what, "lower it"
-    away = math.hypot(item.north, item.east) + (0.5 * item.radius if is_eight else 0.0)
-    if away > MAX_AWAY_M:
-        what = (
-            f"expected a distance of at most {MAX_AWAY_M / 1000:g} km, found {away / 1000:.0f} km"
-        )
-        return what, "check the origin of the mission"
-    if 0.0 < mission.fence_radius < away:
-        what = (
-            f"expected a distance of at most {mission.fence_radius:g} m (the fence), found "
-            f"{away:.1f} m"
-        )
-        return what, "move it closer, or enlarge the fence"
-    return None
+def _read_ground_station(content: bytes, problems: Problems) -> Mission:
+    try:
+        text = content.decode("utf-8-sig").lstrip()
+    except UnicodeDecodeError as error:
+        problems.add(0, f"expected UTF-8, found another encoding: {error}", "save it as UTF-8")
+        problems.stop()
+        raise
+    return read_text(text, problems) if text.startswith("QGC WPL") else read_json(text, problems)

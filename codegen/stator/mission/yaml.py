@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -13,20 +14,25 @@ from stator.language import yaml_tree
 from stator.language.nested import Key, Listing, Struct
 from stator.language.shapes import Leaf, Record, Text, misshaped, scalar
 from stator.language.yaml_tree import Mapping, Scalar, Tree
-from stator.mission.model import (
+from stator.mission.commands import (
+    CHANGE_SPEED,
     EIGHT,
-    FOREVER_S,
     LAND,
-    NAN,
+    LOCAL,
+    LOITER_UNLIMITED,
+    NO_PLACE,
+    RELATIVE,
     RETURN,
     TAKEOFF,
     WAYPOINT,
-    Item,
-    Mission,
 )
+from stator.mission.geodesy import from_local
+from stator.mission.model import NAN, USUAL_RADIUS_M, Area, Home, Item, Mission
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from stator.mission.problems import Problems
 
 
 @dataclass(frozen=True)
@@ -213,47 +219,111 @@ MISSION = Struct(
 )
 
 
-def read_yaml(path: Path) -> Mission:
-    """Raises `Failed` with every error."""
+def read_yaml(path: Path, problems: Problems) -> Mission:
+    """Raises `Failed` with every error of the language; what is wrong with the items goes to
+    `problems`."""
     report = Report()
     tree = yaml_tree.load(path, report)
     record = None if tree is None else MISSION.read(tree, report)
     report.stop_on_errors()
     assert record is not None
-    origin, fence = record.get("origin"), record.get("fence")
-    limits = record.get("limits")
+    fence, limits, home = record.get("fence"), record.get("limits"), record.get("origin")
+    origin = None if home is None else Home(home.value("latitude"), home.value("longitude"))
+    radius = 0.0 if fence is None else fence.value("radius", 0.0)
+    area = Area(includes=True, places=(), radius=radius)
+    if origin is not None:
+        area = Area(True, ((origin.latitude, origin.longitude),), radius)
     return Mission(
-        items=_items(record.value("items")),
-        origin=None if origin is None else (origin.value("latitude"), origin.value("longitude")),
-        fence_radius=0.0 if fence is None else fence.value("radius", 0.0),
-        fence_height=0.0 if fence is None else fence.value("height", 0.0),
+        items=_Items(origin, problems).made_of(record.value("items")),
+        home=origin,
+        areas=(area,) if radius else (),
+        ceiling=0.0 if fence is None else fence.value("height", 0.0),
         limits={} if limits is None else {k: leaf.value for k, leaf in limits.values.items()},
     )
 
 
-def _items(listed: list[tuple[str, Record]]) -> tuple[Item, ...]:
-    items = []
-    place = {"north": 0.0, "east": 0.0, "height": 0.0}
-    for name, record in listed:
-        place |= {key: record.value(key) for key in place if record.get(key) is not None}
-        items.append(_item(name, record, place))
-    return tuple(items)
+class _Items:
+    """Turns items of the YAML into those of MAVLink; a speed is an item of its own there."""
 
+    def __init__(self, origin: Home | None, problems: Problems) -> None:
+        self._origin = origin
+        self._problems = problems
+        self._place = {"north": 0.0, "east": 0.0, "height": 0.0}
+        self._speed = NAN
+        self._items: list[Item] = []
 
-def _item(name: str, record: Record, place: dict[str, float]) -> Item:
-    heading, speed = record.value("heading", NAN), record.value("speed", NAN)
-    match name:
-        case "takeoff":
-            return Item(TAKEOFF, **place)
-        case "return":
-            return Item(RETURN, **place)
-        case "land":
-            return Item(LAND, **place)
-        case "loiter":
-            hold = record.value("time", FOREVER_S)
-            return Item(WAYPOINT, **place, heading=heading, hold=hold, speed=speed)
-        case "eight":
-            laps, length = record.value("laps", 1.0), record.value("length")
-            return Item(EIGHT, **place, heading=heading, radius=length, hold=laps, speed=speed)
-    radius, hold = record.value("radius", 1.0), record.value("hold", 0.0)
-    return Item(WAYPOINT, **place, heading=heading, radius=radius, hold=hold, speed=speed)
+    def made_of(self, listed: list[tuple[str, Record]]) -> tuple[Item, ...]:
+        ended = False
+        for number, (name, record) in enumerate(listed, 1):
+            label = f"item {number}, {name}"
+            if (name == "takeoff") != (number == 1):
+                first = number == 1
+                what = "expected a takeoff as the first item" if first else "duplicate takeoff"
+                hint = "add a takeoff in front" if first else "remove it"
+                self._problems.add(number, f"{label}: {what}", hint)
+            if ended:
+                what = "never reached: the item before it ends the mission"
+                hint = "remove this item and those behind it"
+                self._problems.add(number, f"{label}: {what}", hint)
+                break
+            ended = name in ("return", "land") or (name == "loiter" and record.get("time") is None)
+            self._add(number, name, record)
+        return tuple(self._items)
+
+    def _add(self, number: int, name: str, record: Record) -> None:
+        height_before = self._place["height"]
+        own = {key: record.value(key) for key in self._place if record.get(key) is not None}
+        self._place |= own
+        heading = record.value("heading", NAN)
+        degrees, speed = math.degrees(heading), record.value("speed", NAN)
+        usual = (0.0, USUAL_RADIUS_M, 0.0, degrees)
+        match name:
+            case "takeoff":
+                self._append(number, TAKEOFF, (0.0, 0.0, 0.0, NAN))
+            case "return":
+                self._append(number, RETURN, (0.0, 0.0, 0.0, 0.0), has_place=False)
+            case "land":
+                if self._place["height"] != height_before:
+                    # The height of a landing is that of the ground: it is reached before.
+                    self._append(number, WAYPOINT, usual, is_extra=True)
+                self._append(number, LAND, (0.0, 0.0, 0.0, NAN))
+            case "loiter":
+                self._change_speed(number, speed)
+                hold = record.value("time", None)
+                if hold is None:
+                    self._append(number, LOITER_UNLIMITED, (0.0, 0.0, 0.0, degrees))
+                else:
+                    self._append(number, WAYPOINT, (hold, *usual[1:]))
+            case "eight":
+                self._change_speed(number, speed)
+                half, laps = 0.5 * record.value("length"), record.value("laps", 1.0)
+                self._append(number, EIGHT, (half, 0.5 * half, laps, heading))
+            case _:
+                self._change_speed(number, speed)
+                hold, radius = record.value("hold", 0.0), record.value("radius", USUAL_RADIUS_M)
+                self._append(number, WAYPOINT, (hold, radius, 0.0, degrees))
+
+    def _change_speed(self, number: int, speed: float) -> None:
+        if speed == self._speed or (math.isnan(speed) and math.isnan(self._speed)):
+            return
+        self._speed = speed
+        value = -2.0 if math.isnan(speed) else speed
+        params = (1.0, value, -1.0, 0.0)
+        self._append(number, CHANGE_SPEED, params, has_place=False, is_extra=True)
+
+    def _append(
+        self,
+        number: int,
+        command: int,
+        params: tuple[float, float, float, float],
+        *,
+        has_place: bool = True,
+        is_extra: bool = False,
+    ) -> None:
+        x, y, z = self._place["north"], self._place["east"], self._place["height"]
+        frame = LOCAL if has_place else NO_PLACE
+        if has_place and self._origin is not None:
+            frame = RELATIVE
+            x, y = from_local((self._origin.latitude, self._origin.longitude), (x, y))
+        label = f"item {number}"
+        self._items.append(Item(command, frame, params, x, y, z, True, number, label, is_extra))

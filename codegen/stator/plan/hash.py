@@ -59,7 +59,7 @@ def _interface(interface: Interface) -> dict[str, Any]:
         "name": interface.name,
         "lines": list(interface.lines),
         "inputs": {p.name: p.message.name for p in interface.inputs.values()},
-        "outputs": {p.name: p.message.name for p in interface.outputs.values()},
+        "outputs": {p.name: [p.message.name, p.burst] for p in interface.outputs.values()},
         "params": {p.name: [p.type, p.unit] for p in interface.params.values()},
         **({} if interface.failsafe is None else {"failsafe": interface.failsafe.rows}),
     }

@@ -15,8 +15,20 @@ if TYPE_CHECKING:
     from stator.graph.model import Graph, Node
     from stator.plan.rates import Rates
 
+ANY_NUMBER = 1 << 16  # of publications: of parameters, which have no `burst`
 LOG_ALL_UP_TO_US = 10_000  # every sample of a topic of at most 100 Hz is logged
 LOG_ELSE_US = 20_000  # other topics are logged at 50 Hz
+
+
+@dataclass(frozen=True)
+class Use:
+    """What one activation of a node does with a topic."""
+
+    level: int
+    held: int = 0  # samples that it holds at once
+    reads_queue: bool = False  # these may be the oldest of the history, not only the newest
+    publications: int = 0  # at most
+    copies_newest: bool = False  # and holds it while it builds the next one
 
 
 @dataclass(frozen=True)
@@ -30,6 +42,9 @@ class TopicPlan:
     slots: int
     ceiling: int  # the highest publishing level if several levels publish, else 0
     kept_by: tuple[str, ...]  # publishers that a reader outranks
+    # On one core its one or two slots take turns, as no job holds one while the next but one is
+    # built: one level publishes, and every reader is of that level or above it.
+    takes_turns: bool
     log_us: int | None  # None: not logged; 0: every sample
     period_us: Fraction | None  # mean time between publications, if known
 
@@ -47,26 +62,38 @@ def plan_topics(
         message = node.interface.params_message
         if message is None:
             continue
-        reading = [levels[n.name] for n in (node, logger) if n is not None]
-        plans[f"{node.name}_params"] = _params(node, message, publisher, levels, reading)
+        plans[f"{node.name}_params"] = _params(node, message, publisher, logger, levels)
     return plans
 
 
 def _params(
-    node: Node, message: Message, publisher: Node | None, levels: dict[str, int], reading: list[int]
+    node: Node,
+    message: Message,
+    publisher: Node | None,
+    logger: Node | None,
+    levels: dict[str, int],
 ) -> TopicPlan:
     """The topic of a node's parameters. The node reads it. If parameters can change, the logger
     reads it too, and so does their publisher."""
     name = f"{node.name}_params"
-    readers = ((node.name, "params"),)
+    readers: tuple[tuple[str, str], ...] = ((node.name, "params"),)
     if publisher is None:
-        return TopicPlan(name, message, (), readers, node.name, 1, 2, 0, (), None, None)
+        return TopicPlan(name, message, (), readers, node.name, 1, 1, 0, (), True, None, None)
     by = (publisher.name,)
-    config = TopicConfig(None, None, many_publishers=False, mark=None)
-    topic = GraphTopic(name, message, by, (*readers, (publisher.name, "")), config)
-    slots = slots_needed(topic, levels, reading, depth=1)
-    kept_by = by if max(reading) > levels[publisher.name] else ()
-    return TopicPlan(name, message, by, readers, node.name, 1, slots, 0, kept_by, None, None)
+    level = levels[publisher.name]
+    uses = [
+        Use(
+            levels[name],
+            held=(name == node.name) + (logger is not None and name == logger.name),
+            publications=ANY_NUMBER if name == publisher.name else 0,
+            copies_newest=name == publisher.name,
+        )
+        for name in {n.name: n for n in (node, publisher, logger) if n is not None}
+    ]
+    slots = slots_needed(uses, depth=1)
+    kept_by = by if any(use.held and use.level > level for use in uses) else ()
+    readers = (*readers, (publisher.name, ""))
+    return TopicPlan(name, message, by, readers, node.name, 1, slots, 0, kept_by, False, None, None)
 
 
 def _topic(
@@ -84,11 +111,9 @@ def _topic(
         queue_readers.append(logger.name)
     depth = max(_depth(topic, queue_readers, rates, report), _burst(graph, topic, levels))
     publishing = {levels[name] for name in topic.publishers}
-    top = max(publishing)
-    reading = [levels[name] for name, _ in topic.readers]
-    if log_us is not None and logger is not None:
-        reading.append(levels[logger.name])
-    slots = slots_needed(topic, levels, reading, depth)
+    logged_by = logger if log_us is not None else None
+    uses = _uses(graph, topic, levels, logged_by, log_us == 0)
+    slots = slots_needed(uses, depth)
     if slots > MAX_SLOTS:
         mark = topic.config.mark or _output_mark(topic, graph)
         report.error(
@@ -98,8 +123,12 @@ def _topic(
             f"give it a smaller depth (now {depth}), or put its readers and publishers on fewer "
             "levels",
         )
+    reading = [use.level for use in uses if use.held]
     kept_by = tuple(n for n in topic.publishers if any(level > levels[n] for level in reading))
-    ceiling = top if len(publishing) > 1 else 0
+    ceiling = max(publishing) if len(publishing) > 1 else 0
+    takes_turns = depth == 1 and all(
+        use.level >= max(publishing) and not (use.publications and use.held) for use in uses
+    )
     return TopicPlan(
         topic.name,
         topic.message,
@@ -110,22 +139,61 @@ def _topic(
         slots,
         ceiling,
         kept_by,
+        takes_turns,
         log_us,
         period,
     )
 
 
-def slots_needed(topic: GraphTopic, levels: dict[str, int], reading: list[int], depth: int) -> int:
-    """(D - 1) + max(keep, pins at Lw) + loans at Lw + sum over levels L < Lw of c(L)."""
-    top = max(levels[name] for name in topic.publishers)
-    reads = {name for name, _ in topic.readers}
-    keep = 1 if any(level > top for level in reading) else 0
-    pins_at_top = int(any(levels[n] == top and n in reads for n in topic.publishers))
-    held: dict[int, int] = {level: 1 for level in reading if level < top}
-    for name in topic.publishers:
-        if levels[name] < top:
-            held[levels[name]] = max(held.get(levels[name], 1), 2 if name in reads else 1)
-    return (depth - 1) + max(keep, pins_at_top) + 1 + sum(held.values())
+def _uses(
+    graph: Graph,
+    topic: GraphTopic,
+    levels: dict[str, int],
+    logger: Node | None,
+    logs_all: bool,
+) -> list[Use]:
+    inputs = {name: graph.nodes[name].inputs[port] for name, port in topic.readers}
+    names = {*inputs, *topic.publishers, *([] if logger is None else [logger.name])}
+    uses = []
+    for name in names:
+        node = graph.nodes[name]
+        logs = logger is not None and name == logger.name
+        way = node.way_of(inputs[name]) if name in inputs else ""
+        bursts = [o.port.burst for o in node.outputs.values() if o.topic == topic.name]
+        uses.append(
+            Use(
+                levels[name],
+                held=(name in inputs) + logs,
+                reads_queue=way in ("trigger", "queue") or (logs and logs_all),
+                publications=max(bursts, default=0),
+            )
+        )
+    return uses
+
+
+def slots_needed(uses: list[Use], depth: int) -> int:
+    """What the highest publishing level can need: the samples that a publication there keeps, its
+    own ones that are older, the one that it builds, and what the levels below hold.
+    docs/topics.md has the argument."""
+    top = max(use.level for use in uses if use.publications)
+    is_read_above = any(use.held and use.level > top for use in uses)
+    held: dict[int, int] = {}
+    for use in uses:
+        if use.level < top:
+            own = use.held + (use.publications > 0)
+            held[use.level] = max(held.get(use.level, 0), own)
+    return sum(held.values()) + max(
+        _slots_at_top(use, depth, is_read_above)
+        for use in uses
+        if use.level == top and use.publications
+    )
+
+
+def _slots_at_top(use: Use, depth: int, is_read_above: bool) -> int:
+    kept = depth - 1 + (is_read_above or use.copies_newest)
+    # How old the sample that it holds can be at its last publication: 1 is the newest.
+    oldest = (depth if use.reads_queue else 1) + use.publications - 1
+    return kept + (use.held if oldest > kept else 0) + 1
 
 
 def _log(

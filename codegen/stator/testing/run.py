@@ -152,8 +152,9 @@ def run_pytest(
     command += ["--continue-on-collection-errors", "-o", "junit_family=xunit1"]
     command += [f"--junitxml={report}"]
     command += ["-m", "long or not long" if long else "not long", *arguments]
-    if not arguments:  # everything: files of tests run side by side
-        command += ["-n", str(os.cpu_count() or 1), "--dist", "loadfile", "--no-loadscope-reorder"]
+    if not arguments:  # everything: files of tests run side by side, one more than processors
+        workers = (os.cpu_count() or 1) + 1  # as the first ones wait most of their time
+        command += ["-n", str(workers), "--dist", "loadfile", "--no-loadscope-reorder"]
     print("Python tests: pytest", flush=True)
     finished = subprocess.run(
         command, stdin=subprocess.DEVNULL, cwd=HOME, env=environment, check=False
@@ -186,6 +187,8 @@ def closing_lines(cases: Iterable[Case]) -> list[str]:
 def environment_of_tests(root: Path) -> dict[str, str]:
     environment = environment_of_builds()
     environment.setdefault("STATOR_DATA", str(root.parent / "shared" / "data"))
+    # Of each build; several run at once.
+    environment.setdefault("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
     return environment
 
 

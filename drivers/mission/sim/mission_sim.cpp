@@ -3,10 +3,12 @@
 
 namespace stator::drivers::mission::sim {
 
-void MissionSim::step(MissionPorts& ports) {
-    if (device_.version == published_) return;
-    published_ = device_.version;
-    ports.mission.publish([&] { return device_.mission; });
+bool MissionSim::Port::read(uint32_t address, std::span<uint8_t> bytes) const {
+    return device.read != nullptr && device.read(address, bytes);
+}
+
+bool MissionSim::Port::write(uint32_t address, std::span<const uint8_t> bytes) const {
+    return device.write != nullptr && device.write(address, bytes);
 }
 
 }  // namespace stator::drivers::mission::sim

@@ -21,11 +21,13 @@ namespace detail {
 // `exponent` has the bits that are all ones in infinities and NaNs.
 template <class Bits>
 void canonicalise(std::byte* numbers, size_t count, Bits exponent, Bits canonical) {
-    for (size_t i = 0; i < count; ++i, numbers += sizeof(Bits)) {
+    for (const std::byte* end = numbers + count * sizeof(Bits); numbers != end;) {
         Bits bits = 0;
         std::memcpy(&bits, numbers, sizeof bits);
-        const Bits magnitude = bits & (static_cast<Bits>(~Bits{0}) >> 1);
-        if (magnitude > exponent) std::memcpy(numbers, &canonical, sizeof canonical);
+        numbers += sizeof bits;
+        if (static_cast<Bits>(bits << 1) > static_cast<Bits>(exponent << 1)) [[unlikely]] {
+            std::memcpy(numbers - sizeof bits, &canonical, sizeof canonical);
+        }
     }
 }
 

@@ -11,6 +11,7 @@
 
 #include <atomic>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "stator/executor.hpp"
@@ -76,11 +77,53 @@ constexpr uint32_t all_slots(unsigned slots) {
     return ~0U << (kMaxSlots - slots);
 }
 
-// What of a topic changes at run time.
+// What of a topic changes at run time. Neighbours are loaded and stored together, the first one
+// first: on Arm by one instruction, which an exception may split, but not turn round.
 struct TopicState {
     Shared<uint32_t> free;     // slots that nobody reads or builds
     Shared<uint32_t> history;  // slots of the `depth` newest samples; 0 before the first
     Shared<uint32_t> head;     // number of the newest sample; counts from 1 and wraps
+
+#ifdef __ARM_ARCH_7EM__
+    [[gnu::always_inline]] void load(uint32_t& free_now, uint32_t& history_now) const {
+        asm volatile("ldrd %0, %1, %2"
+                     : "=r"(free_now), "=r"(history_now)
+                     : "m"(two(free))
+                     : "memory");
+    }
+    [[gnu::always_inline]] void store(uint32_t new_history, uint32_t new_head) {
+        asm volatile("strd %1, %2, %0"
+                     : "=m"(two(history))
+                     : "r"(new_history), "r"(new_head)
+                     : "memory");
+    }
+
+  private:
+    using Two [[gnu::may_alias, gnu::aligned(4)]] = uint64_t;  // as wide as the address must suit
+    static Two& two(Shared<uint32_t>& first) {
+        return reinterpret_cast<Two&>(first);
+    }
+    static const Two& two(const Shared<uint32_t>& first) {
+        return reinterpret_cast<const Two&>(first);
+    }
+#else
+    void load(uint32_t& free_now, uint32_t& history_now) const {
+        free_now = free.load();
+        history_now = history.load();
+    }
+    void store(uint32_t new_history, uint32_t new_head) {
+        history.store(new_history);
+        head.store(new_head);
+    }
+#endif
+};
+
+// The same of a topic of depth 1 that one level publishes and that no lower level reads, nor its
+// publisher: no job holds a sample while the next but one is built, so its one or two slots take
+// turns. Sample n lies in slot n modulo their count.
+struct TurnState {
+    Shared<const std::byte*> newest;  // null before the first
+    Shared<uint32_t> head;            // its number; stored behind it
 };
 
 // A subscriber that `min_interval` thins: pended when a sample's timestamp reaches `due_us`, which
@@ -98,9 +141,9 @@ struct Thinned {
 // One row of the generated topic table; constant.
 struct InSection;
 struct Topic {
-    TopicState* state;
+    TopicState* state;         // unused where slots take turns
     void* samples;             // `slots` samples of the message
-    Shared<uint32_t>* number;  // per slot: the number of its sample
+    Shared<uint32_t>* number;  // per slot: the number of its sample; unused where slots take turns
     Shared<uint32_t>* ring;    // the last 2 * depth samples, as masks; unused at depth 1
     const Pend* subscribers;   // one entry for each word that subscribers' bits lie in
     const Thinned* thinned;
@@ -109,19 +152,42 @@ struct Topic {
     uint8_t subscriber_count;
     uint8_t thinned_count;
     uint8_t slots;
-    uint8_t depth;    // power of two
-    uint8_t ceiling;  // highest publishing level if several levels publish, else 0
+    uint8_t depth;               // power of two
+    uint8_t ceiling;             // highest publishing level if several levels publish, else 0
+    TurnState* turns = nullptr;  // if its slots take turns
+    Shared<const std::byte*>* newest = nullptr;  // for readers that `take_woken`
 };
 
 // A slot in use by a job: what to put back into `free` at its end.
 struct Pin {
     uint32_t saved_free = 0;
-    uint32_t slot = 0;
+    uintptr_t slot = 0;  // where slots take turns, or `is_woken`: the address of the sample
 };
 
-// Number of the sample in a slot that the caller holds.
-inline uint32_t number_of(const Topic& topic, const Pin& pin) {
-    return topic.number[pin.slot].load();
+[[gnu::always_inline]] inline std::byte* slot_at(const Topic& topic, uint32_t slot) {
+    return static_cast<std::byte*>(topic.samples) + size_t{slot} * topic.sample_bytes;
+}
+// The sample that the caller holds. `is_woken`: taken by `take_woken`.
+[[gnu::always_inline]] inline const std::byte* sample_of(const Topic& topic, const Pin& pin,
+                                                         bool is_woken = false) {
+    if (topic.turns != nullptr || is_woken) return reinterpret_cast<const std::byte*>(pin.slot);
+    return slot_at(topic, static_cast<uint32_t>(pin.slot));
+}
+
+[[gnu::always_inline]] inline const Shared<uint32_t>& head_of(const Topic& topic) {
+    return topic.turns != nullptr ? topic.turns->head : topic.state->head;
+}
+
+// Its number.
+[[gnu::always_inline]] inline uint32_t number_of(const Topic& topic, const Pin& pin,
+                                                 bool is_woken = false) {
+    if (is_woken) return head_of(topic).load();
+    if (topic.turns == nullptr) return topic.number[pin.slot].load();
+    const uint32_t head = topic.turns->head.load();
+    if (topic.slots == 1) return head;
+    // A publisher that this reader outranks may be between its two stores.
+    const uint32_t slot = sample_of(topic, pin) == topic.samples ? 0 : 1;
+    return head + ((head ^ slot) & 1U);
 }
 
 // The functions that take have `marks`. False: no publisher of the topic can run before the pin is
@@ -141,6 +207,10 @@ inline bool is_kept_for_publisher(const Topic& topic) {
 // Constant time; any context above hardware priority 0.
 [[gnu::always_inline]] inline bool take_latest(const Topic& topic, uint32_t /*seen*/, Pin& pin,
                                                bool marks = true) {
+    if (topic.turns != nullptr) {
+        pin.slot = reinterpret_cast<uintptr_t>(topic.turns->newest.load());
+        return pin.slot != 0;
+    }
     TopicState& state = *topic.state;
     if (marks) pin.saved_free = state.free.load();
     uint32_t mask = state.history.load();
@@ -149,14 +219,21 @@ inline bool is_kept_for_publisher(const Topic& topic) {
         const uint32_t head = state.head.load();
         mask = topic.ring[(head - 1) & (2U * topic.depth - 1)].load();
     }
-    pin.slot = static_cast<uint32_t>(std::countl_zero(mask));
+    pin.slot = static_cast<unsigned>(std::countl_zero(mask));
     if (!marks) return true;
     state.free.store(pin.saved_free & ~mask);
     return true;
 }
 
-inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
-    if (marks) topic.state->free.store(pin.saved_free);
+// The same for a reader that a sample has woken, so that there is one, and that no publisher
+// outranks.
+[[gnu::always_inline]] inline void take_woken(const Topic& topic, uint32_t /*seen*/, Pin& pin) {
+    pin.slot = reinterpret_cast<uintptr_t>(topic.newest->load());
+    if (pin.slot == 0) __builtin_unreachable();
+}
+
+[[gnu::always_inline]] inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
+    if (marks && topic.turns == nullptr) topic.state->free.store(pin.saved_free);
 }
 
 // Takes the oldest sample after number `cursor`, moves `cursor` on to it and adds to `lost` what
@@ -164,7 +241,6 @@ inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
 // overtook it: at most once per activation of a publisher that preempts it.
 [[gnu::always_inline]] inline bool take_next(const Topic& topic, uint32_t& cursor, uint32_t& lost,
                                              Pin& pin, bool marks = true) {
-    TopicState& state = *topic.state;
     if (topic.depth == 1) {
         if (!take_latest(topic, cursor, pin, marks)) return false;
         const uint32_t number = number_of(topic, pin);
@@ -176,6 +252,7 @@ inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
         cursor = number;
         return true;
     }
+    TopicState& state = *topic.state;
     const uint32_t depth = topic.depth;
     if (marks) pin.saved_free = state.free.load();
     uint32_t next = 0;
@@ -188,7 +265,7 @@ inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
         }
         if (head - next > depth) next = head - depth;
         const uint32_t mask = topic.ring[next & (2 * depth - 1)].load();
-        pin.slot = static_cast<uint32_t>(std::countl_zero(mask));
+        pin.slot = static_cast<unsigned>(std::countl_zero(mask));
         if (!marks) break;
         state.free.store(pin.saved_free & ~mask);
     } while (state.head.load() - next > depth);
@@ -198,13 +275,13 @@ inline void release(const Topic& topic, const Pin& pin, bool marks = true) {
 }
 
 // True if a sample after number `cursor` was published.
-inline bool has_unread(const Topic& topic, uint32_t cursor) {
-    return topic.state->head.load() != cursor;
+[[gnu::always_inline]] inline bool has_unread(const Topic& topic, uint32_t cursor) {
+    return head_of(topic).load() != cursor;
 }
 
 // A slot to build one sample in, until `commit`.
 struct Loan {
-    uint32_t saved_free = 0;
+    uint32_t word = 0;  // what `free` was; where slots take turns, the number of the sample
     uint32_t slot = 0;
 };
 
@@ -222,38 +299,50 @@ struct Loan {
 // topic has these three by itself, under its name: nothing else in an image raises BASEPRI.
 struct InSection {
     Loan (*loan)(const Topic& topic, bool keep);
-    uint32_t (*commit)(const Topic& topic, Loan loaned);
+    uint32_t (*commit)(const Topic& topic, Loan loaned, const std::byte* sample);
     bool (*is_due)(const Topic& topic, const Thinned& thinned, uint64_t timestamp_us);
 };
 
 [[gnu::always_inline]] inline Loan find_slot(const Topic& topic, bool keep) {
-    const uint32_t free = topic.state->free.load();
-    const uint32_t usable = free & ~kept_history(topic, keep);
+    uint32_t free = 0;
+    uint32_t kept = 0;
+    if (topic.depth == 1 && keep) {
+        topic.state->load(free, kept);
+    } else {
+        free = topic.state->free.load();
+        kept = kept_history(topic, keep);
+    }
+    const uint32_t usable = free & ~kept;
     require(usable != 0, "topic: no free slot");
     return {free, static_cast<uint32_t>(std::countl_zero(usable))};
 }
 [[gnu::always_inline]] inline Loan loan_in_section(const Topic& topic, bool keep) {
     const Section section(topic.ceiling);
     const Loan loaned = find_slot(topic, keep);
-    topic.state->free.store(loaned.saved_free & ~slot_mask(loaned.slot));
+    topic.state->free.store(loaned.word & ~slot_mask(loaned.slot));
     return loaned;
 }
 
 // Finds a slot that nobody reads. The compiler's slot count makes sure there is one. `keep`: a
 // reader outranks this publisher.
 [[gnu::always_inline]] inline Loan loan(const Topic& topic, bool keep) {
+    if (topic.turns != nullptr) {
+        const uint32_t number = topic.turns->head.load() + 1;
+        return {number, number & (topic.slots - 1U)};
+    }
     return topic.ceiling != 0 ? topic.in_section->loan(topic, keep) : find_slot(topic, keep);
 }
 
 // Returns the sample's number.
-[[gnu::always_inline]] inline uint32_t append(const Topic& topic, Loan loaned) {
+[[gnu::always_inline]] inline uint32_t append(const Topic& topic, Loan loaned,
+                                              const std::byte* sample) {
     TopicState& state = *topic.state;
     const uint32_t head = state.head.load();
     const uint32_t mask = slot_mask(loaned.slot);
     topic.number[loaned.slot].store(head + 1);
     if (topic.depth == 1) {
-        state.history.store(mask);
-        state.head.store(head + 1);
+        if (topic.newest != nullptr) topic.newest->store(sample);
+        state.store(mask, head + 1);
         return head + 1;
     }
     const uint32_t last = 2U * topic.depth - 1;
@@ -264,17 +353,26 @@ struct InSection {
     state.history.store(history | mask);
     return head + 1;
 }
-[[gnu::always_inline]] inline uint32_t commit_in_section(const Topic& topic, Loan loaned) {
+[[gnu::always_inline]] inline uint32_t commit_in_section(const Topic& topic, Loan loaned,
+                                                         const std::byte* sample) {
     const Section section(topic.ceiling);
-    const uint32_t number = append(topic, loaned);
-    topic.state->free.store(loaned.saved_free);
+    const uint32_t number = append(topic, loaned, sample);
+    topic.state->free.store(loaned.word);
     return number;
 }
 
 // Makes the sample the newest one. `head` is the one commit point for queue readers, `history` for
-// readers of the newest at depth 1. Returns the sample's number.
-[[gnu::always_inline]] inline uint32_t commit(const Topic& topic, Loan loaned) {
-    return topic.ceiling != 0 ? topic.in_section->commit(topic, loaned) : append(topic, loaned);
+// readers of the newest at depth 1, and `newest` where slots take turns. `sample`: what was built
+// in the slot. Returns the sample's number.
+[[gnu::always_inline]] inline uint32_t commit(const Topic& topic, Loan loaned,
+                                              const std::byte* sample) {
+    if (topic.turns != nullptr) {
+        topic.turns->newest.store(sample);
+        topic.turns->head.store(loaned.word);
+        return loaned.word;
+    }
+    return topic.ceiling != 0 ? topic.in_section->commit(topic, loaned, sample)
+                              : append(topic, loaned, sample);
 }
 
 // Of 64 bits a division takes some hundred instructions: only after a pause.

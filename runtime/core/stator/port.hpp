@@ -19,7 +19,8 @@ inline constexpr uint32_t kNoAgeLimit = UINT32_MAX;
 template <class Message>
 class Input {
   public:
-    Input() = default;
+    // Not defaulted: `Input<Message> port{};` then would clear all of it before.
+    [[gnu::always_inline]] Input() {}
     // A port of a test: holds `sample`, which must outlive it.
     explicit Input(const Message& sample, bool is_new = true, uint32_t lost = 0)
         : sample_(&sample), lost_(lost), is_new_(is_new) {}
@@ -36,19 +37,20 @@ class Input {
     const Message* operator->() const { return sample_; }
 
     // True if there is a sample, and no earlier activation of this node has seen it.
-    bool is_new() const {
+    [[gnu::always_inline]] bool is_new() const {
         is_asked_ = true;
         if (sample_ == nullptr) return false;
         return seen_ == nullptr ? is_new_ : number() != *seen_;
     }
     // Samples that passed unread since the one seen before; in a queue input, summed over `next()`.
-    uint32_t lost() const {
+    [[gnu::always_inline]] uint32_t lost() const {
         is_asked_ = true;
         return passed();
     }
     // Number of the sample on its topic, from 1, modulo 2^32; 0 without a sample.
-    uint32_t number() const {
-        return sample_ == nullptr || topic_ == nullptr ? 0 : number_of(*topic_, pin_);
+    [[gnu::always_inline]] uint32_t number() const {
+        if (sample_ == nullptr || topic_ == nullptr) return 0;
+        return number_of(*topic_, pin_, is_woken_);
     }
 
     // Moves on to the next unread sample: true while there is one. Other inputs say true once, for
@@ -63,7 +65,7 @@ class Input {
         while (take_next(*topic_, *cursor_, lost_, pin_, marks_)) {
             hold();
             is_new_ = true;
-            if (young_enough()) return true;
+            if (is_young_enough(now_us_, max_age_us_)) return true;
             drop();
         }
         return false;
@@ -82,6 +84,15 @@ class Input {
         if (!take_next(topic, cursor, lost_, pin_, marks)) return;
         hold();
         is_new_ = true;
+    }
+    // The same where the newest sample is the one that woke this activation, and no other could.
+    [[gnu::always_inline]] void take_woken(const Topic& topic, uint32_t& seen) {
+        topic_ = &topic;
+        marks_ = false;
+        seen_ = &seen;
+        is_woken_ = true;
+        stator::take_woken(topic, seen, pin_);
+        hold();
     }
     // Takes the newest sample if it is at most `max_age_us` old at `now_us`. `seen` is the number
     // of the one seen before, brought up to date when the port is let go.
@@ -104,65 +115,64 @@ class Input {
     }
     // Lets a sample go that is older than the graph allows.
     [[gnu::always_inline]] void limit_age(uint64_t now_us, uint32_t max_age_us) {
-        if (sample_ == nullptr || max_age_us == kNoAgeLimit) return;
-        now_us_ = now_us;
-        max_age_us_ = max_age_us;
-        if (young_enough()) return;
+        if (sample_ == nullptr || is_young_enough(now_us, max_age_us)) return;
         lost_ = passed();
         if (seen_ != nullptr) *seen_ = number();
         drop();
     }
 
   private:
-    uint32_t passed() const {
+    [[gnu::always_inline]] uint32_t passed() const {
         if (seen_ == nullptr || sample_ == nullptr) return lost_;
         const uint32_t count = number() - *seen_;
         return count == 0 ? 0 : count - 1;
     }
     // Does nothing where the compiler sees that the node never asks what is new: there the number
     // is of no use.
-    void note_seen() {
+    [[gnu::always_inline]] void note_seen() {
         if (!kTakesNeedSeen && __builtin_constant_p(is_asked_) && !is_asked_) return;
         if (seen_ != nullptr && sample_ != nullptr) *seen_ = number();
     }
     [[gnu::always_inline]] void hold() {
-        sample_ = static_cast<const Message*>(topic_->samples) + pin_.slot;
+        sample_ = reinterpret_cast<const Message*>(sample_of(*topic_, pin_, is_woken_));
         if constexpr (kRecords) {
-            const uint32_t number = number_of(*topic_, pin_);
+            const uint32_t number = number_of(*topic_, pin_, is_woken_);
             cursor_ != nullptr ? tap_.takes(number) : tap_.notes(number);
         }
     }
-    void drop() {
+    [[gnu::always_inline]] void drop() {
         // On one core the newest is let go without a test whether there was one.
         const bool is_taken = (!kTakesNeedSeen && seen_ != nullptr) || sample_ != nullptr;
         if (topic_ != nullptr && is_taken) release(*topic_, pin_, marks_);
         sample_ = nullptr;
     }
-    bool young_enough() const {
-        if (max_age_us_ == kNoAgeLimit || now_us_ < sample_->timestamp) return true;
-        return now_us_ - sample_->timestamp <= max_age_us_;
+    [[gnu::always_inline]] bool is_young_enough(uint64_t now_us, uint32_t max_age_us) const {
+        if (max_age_us == kNoAgeLimit || now_us < sample_->timestamp) return true;
+        return now_us - sample_->timestamp <= max_age_us;
     }
 
     const Message* sample_ = nullptr;
     const Topic* topic_ = nullptr;
     uint32_t* cursor_ = nullptr;  // of a queue
     uint32_t* seen_ = nullptr;    // of an input that reads the newest
-    uint64_t now_us_ = 0;
-    uint32_t max_age_us_ = kNoAgeLimit;
     uint32_t lost_ = 0;
-    Pin pin_;
     bool marks_ = true;
+    bool is_woken_ = false;
     bool is_new_ = false;
     bool is_consumed_ = false;
     mutable bool is_asked_ = false;
     [[no_unique_address]] Tap tap_;
+    // Set where they are used: clearing them takes time where a node is not inlined.
+    Pin pin_;
+    uint64_t now_us_;  // of a queue
+    uint32_t max_age_us_;
 };
 
 // One output of a node. May be unconnected: then publishing does nothing.
 template <class Message>
 class Output {
   public:
-    Output() = default;
+    [[gnu::always_inline]] Output() {}
     Output(const Output&) = delete;
     Output& operator=(const Output&) = delete;
 
@@ -170,35 +180,51 @@ class Output {
 
     // Publishes what `make()` returns, built in its slot: `publish([&] { return Message{...}; })`.
     // Sets `timestamp` to the activation's `now` and wakes the subscribers; more urgent ones run
-    // before this returns.
+    // before this returns. Refused and counted beyond the output's `burst`, for which there may be
+    // no slot, and inside `make`, where it would build in the same slot.
     template <class Make>
     [[gnu::always_inline]] void publish(Make make) {
-        if (topic_ == nullptr) return;
+        if (left_ == 0) [[unlikely]] {
+            ++refused_;
+            return;
+        }
+        const auto left = static_cast<uint16_t>(left_ - 1);
+        left_ = 0;
         const Loan loaned = loan(*topic_, keep_);
-        void* slot = static_cast<Message*>(topic_->samples) + loaned.slot;
+        std::byte* slot = slot_at(*topic_, loaned.slot);
         asm("" : "+r"(slot));  // one register reaches all fields: computed once
         Message* message = new (slot) Message(make());
         message->timestamp = now_us_;
+        left_ = left;
+        tap_.builds(message);
         // Those whom it wakes do not wait for the record, if the sample lasts.
         const bool is_kept = is_kept_for_publisher(*topic_);
-        if (!is_kept) tap_.publishes(message, sizeof(Message));
-        const uint32_t number = commit(*topic_, loaned);
+        const uint32_t hash = is_kept ? 0 : tap_.commits(message, sizeof(Message));
+        const uint32_t number = commit(*topic_, loaned, slot);
         activate(*topic_, now_us_);
-        if (is_kept) tap_.publishes(message, sizeof(Message));
-        tap_.published(number);
+        if (is_kept) {
+            tap_.published(message, sizeof(Message), number);
+        } else {
+            tap_.committed(hash, number);
+        }
     }
 
     // --- for generated wrappers ---
     Tap& tap() { return tap_; }
-    void connect(const Topic& topic, uint64_t now_us, bool keep) {
+    void connect(const Topic& topic, uint64_t now_us, bool keep, uint16_t burst = 1) {
         topic_ = &topic;
         now_us_ = now_us;
         keep_ = keep;
+        left_ = burst;
     }
+    // Publications of this activation that were refused.
+    uint16_t refused() const { return refused_; }
 
   private:
     const Topic* topic_ = nullptr;
     uint64_t now_us_ = 0;
+    uint16_t left_ = 0;  // publications; none while it is not connected
+    uint16_t refused_ = 0;
     bool keep_ = false;
     [[no_unique_address]] Tap tap_;
 };

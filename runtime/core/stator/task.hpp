@@ -1,6 +1,7 @@
 // What a generated task wrapper keeps between activations, and the rules that all wrappers share.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "stator/topic.hpp"
@@ -111,13 +112,34 @@ constexpr uint64_t later(uint64_t a, uint64_t b) {
 
 // Counts for `top`, the report and the proof's watch; modulo 2^32.
 struct TaskCounters {
-    uint32_t activations = 0;  // the monitor reads it at any time
-    uint32_t lost_samples = 0;
+    uint32_t activations = 0;   // the monitor reads it at any time
+    uint32_t lost_samples = 0;  // missed by inputs, refused to outputs
     // Where the executor measures. In ticks of its clock, without what interrupted the task:
     uint32_t ticks = 0;  // the sum, modulo 2^32
     uint32_t last_ticks = 0;
     uint32_t most_ticks = 0;
     uint32_t latest_us = 0;  // longest from `now` to the end
 };
+
+// Publications that were refused, as they exceeded the `burst` of their output; of all tasks.
+struct RefusedPublications {
+    std::atomic<uint32_t> count{0};
+    std::atomic<const char*> newest{nullptr};  // NODE.OUTPUT
+};
+inline RefusedPublications refused_publications;
+
+[[gnu::cold, gnu::noinline]] inline void note_refused(TaskCounters& counters, const char* output,
+                                                      uint32_t refused) {
+    // As in `add_to_counter` of an executor: the monitor may look meanwhile.
+    __atomic_store_n(&counters.lost_samples, counters.lost_samples + refused, __ATOMIC_RELAXED);
+    refused_publications.newest.store(output, std::memory_order_relaxed);
+    refused_publications.count.fetch_add(refused, std::memory_order_release);
+}
+// Behind the step, of each output. `output`: NODE.OUTPUT.
+inline void count_refused(TaskCounters& counters, const char* output, uint32_t refused) {
+    if (refused != 0) [[unlikely]] {
+        note_refused(counters, output, refused);
+    }
+}
 
 }  // namespace stator

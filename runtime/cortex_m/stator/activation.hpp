@@ -3,9 +3,9 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 
+#include "stator/exclusive_word.hpp"
 #include "stator/task.hpp"
 
 namespace stator {
@@ -19,9 +19,9 @@ uint32_t ticks();
 // lowest byte.
 struct ActivationRing {
     std::array<uint32_t, 32> entries{};
-    std::atomic<uint32_t> count{0};  // modulo 2^32
+    ExclusiveWord count;  // modulo 2^32
     // Time that tasks took from those that they interrupted, in ticks modulo 2^32.
-    std::atomic<uint32_t> stolen_ticks{0};
+    RelaxedWord stolen_ticks;
 };
 extern ActivationRing activation_ring;
 
@@ -30,19 +30,24 @@ extern ActivationRing activation_ring;
 class Activation {
   public:
     Activation(uint32_t task, TaskCounters& counters) : counters_(counters) {
-        const uint32_t begin = board::ticks();
-        own_begin_ = begin - activation_ring.stolen_ticks.load(std::memory_order_relaxed);
-        // Exact although higher levels preempt it: an exclusive load and store, which the hardware
-        // fails after an exception.
-        const uint32_t number = activation_ring.count.fetch_add(1, std::memory_order_relaxed);
+        uint32_t number = 0;
+        uint32_t begin = 0;
+        // Its number, and the time with what was stolen until then, are of one moment: else the
+        // time of a task that came between the two readings would be taken from others twice.
+        do {
+            number = activation_ring.count.load_exclusive();
+            const uint32_t stolen = activation_ring.stolen_ticks.load();
+            begin = board::ticks();
+            own_begin_ = begin - stolen;
+        } while (!activation_ring.count.store_exclusive(number + 1));
         activation_ring.entries[number % activation_ring.entries.size()] = (begin << 8) | task;
     }
     // In this order a task that comes between two lines counts as this one's, not less than
     // nothing.
     void finish() {
-        const uint32_t stolen = activation_ring.stolen_ticks.load(std::memory_order_relaxed);
+        const uint32_t stolen = activation_ring.stolen_ticks.load();
         const uint32_t all = board::ticks() - own_begin_;
-        activation_ring.stolen_ticks.store(all, std::memory_order_relaxed);
+        activation_ring.stolen_ticks.store(all);
         const uint32_t own = all - stolen;
         counters_.ticks += own;
         counters_.last_ticks = own;

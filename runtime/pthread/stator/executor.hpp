@@ -18,8 +18,8 @@ inline constexpr unsigned kMaxTasksOfLevel = 30;
 inline constexpr uint32_t kTaskBits = (1U << kMaxTasksOfLevel) - 1;
 // The level runs: a thread that pends it need not wake it. A word of 0 means that it sleeps, or is
 // about to, and that the next one to set a bit wakes it.
-inline constexpr uint32_t kAwake = 1U << 30;
-inline constexpr uint32_t kStop = 1U << 31;
+inline constexpr uint32_t kAwakeBit = 1U << 30;
+inline constexpr uint32_t kStopBit = 1U << 31;
 
 // On a cache line of its own, as every publisher writes it.
 struct alignas(64) PendingWord {

@@ -14,6 +14,7 @@
 
 #include <atomic>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "stator/executor.hpp"
@@ -75,12 +76,16 @@ struct Pin {
     bool is_kept = false;
 };
 
+// What a level has read as the newest. It keeps it until it reads a newer one while no job holds
+// it: until then, reading it again is a load and a comparison.
+struct Kept : Pin {
+    uint32_t holds = 0;  // of the job that runs
+};
+
 struct TopicState {
     std::atomic<uint32_t> head{0};  // number of the newest sample; counts from 1 and wraps
-    // What each level has read as the newest, which it keeps until it reads a newer one: then
-    // reading it again is a load and a comparison. Of that level's thread alone; the last one is of
-    // threads that are no level.
-    Pin kept[kMaxLevels + 1];
+    // Each of that level's thread alone; the last one is of threads that are no level.
+    Kept kept[kMaxLevels + 1];
 };
 
 // --- tables ---
@@ -124,8 +129,18 @@ inline bool is_kept_for_publisher(const Topic&) {
     return false;
 }
 
-inline uint32_t number_of(const Topic&, const Pin& pin) {
+inline uint32_t number_of(const Topic&, const Pin& pin, bool /*is_woken*/ = false) {
     return pin.number;
+}
+inline std::byte* slot_at(const Topic& topic, uint8_t slot) {
+    return static_cast<std::byte*>(topic.samples) + size_t{slot} * topic.sample_bytes;
+}
+// The sample in a slot that the caller holds.
+inline const std::byte* sample_of(const Topic& topic, const Pin& pin, bool /*is_woken*/ = false) {
+    return slot_at(topic, pin.slot);
+}
+inline const std::atomic<uint32_t>& head_of(const Topic& topic) {
+    return topic.state->head;
 }
 
 // Counts the reader in. Acquire: the sample is whole. Release: a thread that sees this reader in
@@ -143,7 +158,11 @@ inline void unpin(const Topic& topic, const Pin& pin) {
     topic.users[pin.slot].done.fetch_add(1, std::memory_order_release);
 }
 inline void release(const Topic& topic, const Pin& pin, bool /*marks*/ = true) {
-    if (!pin.is_kept) unpin(topic, pin);
+    if (pin.is_kept) {
+        --topic.state->kept[current_level].holds;
+    } else {
+        unpin(topic, pin);
+    }
 }
 
 // Acquire, here and below: what `head` counts is in the ring. The read-modify-writes on the ring
@@ -173,15 +192,26 @@ inline bool is_ahead(const Topic& topic, uint32_t seen, uint32_t head) {
 inline bool take_latest(const Topic& topic, uint32_t seen, Pin& pin, bool /*marks*/ = true) {
     uint32_t head = newest_number(topic);
     if (is_ahead(topic, seen, head)) head = seen;
-    Pin& kept = topic.state->kept[current_level];
+    Kept& kept = topic.state->kept[current_level];
     if (!kept.is_kept || kept.number != head) {
         if (head == 0 && is_empty(topic)) return false;
+        if (kept.holds != 0) {  // by this job: it gets the newer one beside it
+            pin.is_kept = false;
+            pin_entry(topic, head - 1, pin);
+            return true;
+        }
         if (kept.is_kept) unpin(topic, kept);
         pin_entry(topic, head - 1, kept);
         kept.is_kept = true;
     }
+    ++kept.holds;
     pin = kept;
     return true;
+}
+
+// The same for a reader that a sample has woken, so that there is one.
+inline void take_woken(const Topic& topic, uint32_t seen, Pin& pin) {
+    take_latest(topic, seen, pin);
 }
 
 // True if a sample after number `cursor` was published.
@@ -230,7 +260,7 @@ inline Loan loan(const Topic& topic, bool /*keep*/) {
 // Makes the sample the newest one, and returns its number. All of it under one lock: a sequence
 // number drawn outside goes backwards, and `head` stored outside may end too low, so that the last
 // sample is never seen.
-inline uint32_t commit(const Topic& topic, Loan loaned) {
+inline uint32_t commit(const Topic& topic, Loan loaned, const std::byte* /*sample*/) {
     const Lock lock(topic.mutex);
     const uint32_t sequence = topic.state->head.load(std::memory_order_relaxed);
     std::atomic<uint64_t>& word = topic.ring[sequence & (topic.depth - 1U)].word;
@@ -247,8 +277,10 @@ inline uint32_t commit(const Topic& topic, Loan loaned) {
     return sequence + 1;
 }
 
-// Pends the thinned subscribers that are due. Under the lock: two publishers would both pass.
-[[gnu::noinline]] inline void pend_thinned(const Topic& topic, uint64_t timestamp_us) {
+// The thinned subscribers that are due, one bit each. Under the lock: two publishers would both
+// pass.
+inline uint32_t due_thinned(const Topic& topic, uint64_t timestamp_us) {
+    uint32_t due = 0;
     const Lock lock(topic.mutex);
     for (unsigned i = 0; i < topic.thinned_count; ++i) {
         const Thinned& thinned = topic.thinned[i];
@@ -256,7 +288,14 @@ inline uint32_t commit(const Topic& topic, Loan loaned) {
         const uint64_t late = timestamp_us - thinned.state->due_us;
         thinned.state->due_us += (late / thinned.interval_us + 1) * thinned.interval_us;
         thinned.state->fires.store(thinned.state->fires.load() + 1);
-        set_pending(thinned.pend);
+        due |= 1U << i;
+    }
+    return due;
+}
+// Wakes them behind the lock: waking is a system call, and another publisher may be waiting.
+[[gnu::noinline]] inline void pend_thinned(const Topic& topic, uint64_t timestamp_us) {
+    for (uint32_t due = due_thinned(topic, timestamp_us); due != 0; due &= due - 1) {
+        set_pending(topic.thinned[std::countr_zero(due)].pend);
     }
 }
 

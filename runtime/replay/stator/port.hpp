@@ -99,21 +99,26 @@ class Output {
 
     template <class Make>
     void publish(Make make) {
-        if (job_ == nullptr) return;
+        if (left_ == 0) return;  // refused, as in the flight
+        const unsigned left = left_ - 1;
+        left_ = 0;
         Message message(make());
+        left_ = left;
         message.timestamp = job_->now_us();
         job_->publish(tag_, &message, sizeof message);
     }
 
     // --- for generated wrappers ---
-    void connect(replay::Job& job, unsigned tag) {
+    void connect(replay::Job& job, unsigned tag, unsigned burst = 1) {
         job_ = &job;
         tag_ = tag;
+        left_ = burst;
     }
 
   private:
     replay::Job* job_ = nullptr;
     unsigned tag_ = 0;
+    unsigned left_ = 0;
 };
 
 }  // namespace stator

@@ -40,7 +40,7 @@ class Job {
         uint8_t tag;
         bool is_used;
         uint32_t number;
-        uint32_t crc;
+        uint32_t hash;
     };
     Item* next_item(unsigned tag);
 

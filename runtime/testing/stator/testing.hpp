@@ -12,7 +12,10 @@ namespace stator::testing {
 template <class Message>
 class Probe {
   public:
-    Probe(Output<Message>& output, uint64_t now_us) { output.connect(topic_, now_us, true); }
+    // `burst`: publications that it takes; a graph takes as many as the node's interface says.
+    Probe(Output<Message>& output, uint64_t now_us, uint16_t burst = UINT16_MAX) {
+        output.connect(topic_, now_us, true, burst);
+    }
     Probe(const Probe&) = delete;
     Probe& operator=(const Probe&) = delete;
 

@@ -48,8 +48,19 @@ inline bool misses_life_sign(const Watched& row, uint64_t now_us) {
     return true;
 }
 
+// Tells the log of publications that were refused since it was told last. Context: the monitor.
+inline void tell_refused_publications(uint64_t now_us) {
+    static uint32_t told = 0;
+    const uint32_t count = refused_publications.count.load(std::memory_order_acquire);
+    if (count == told) return;
+    told = count;
+    const char* output = refused_publications.newest.load(std::memory_order_relaxed);
+    event_log.add({now_us, "published more often than its burst allows: ", output});
+}
+
 // A turn of the monitor: true if every watched task shows life.
 inline bool all_show_life(const Watched* rows, unsigned count, uint64_t now_us) {
+    tell_refused_publications(now_us);
     bool all = true;
     for (unsigned i = 0; i < count; ++i) {
         if (misses_life_sign(rows[i], now_us)) {

@@ -39,7 +39,7 @@ class CommanderTest : public ::testing::Test {
             .progress = Input(progress_),
             .estimator = Input(estimator_),
             .result = Input(result_),
-            .mission = Input(mission_),
+            .fence = Input(fence_),
             .sticks = has_sticks_ ? Input(sticks_) : Input<ManualControlSetpoint>(),
             .switches = Input(switches_),
             .battery = has_battery_ ? Input(battery_) : Input<BatteryStatus>(),
@@ -108,7 +108,7 @@ class CommanderTest : public ::testing::Test {
     TrajectoryProgress progress_{};
     EstimatorStatus estimator_{};
     MissionResult result_{};
-    Mission mission_{};
+    GeofenceResult fence_{};
     ManualControlSetpoint sticks_{};
     ManualControlSwitches switches_{};
     BatteryStatus battery_{};
@@ -498,22 +498,20 @@ TEST_F(CommanderTest, more_motor_controllers_than_there_are_flags_are_as_many_as
 }
 
 TEST_F(CommanderTest, the_fence_turns_it_back) {
-    fly(Nav::kMission);
-    mission_.fence_radius = 20.0F;
-    position_.x = 3.0F + 19.0F;
-    step();
-    EXPECT_EQ(status_.nav_state, Nav::kMission);
-    position_.x = 3.0F + 21.0F;
-    step();
-    EXPECT_EQ(status_.nav_state, Nav::kReturn);
-    EXPECT_EQ(status_.failsafe_event, Event::kGeofence);
-}
-
-TEST_F(CommanderTest, the_fence_has_a_lid) {
-    fly(Nav::kHold);
-    position_.z = -params_.fence_height - 1.0F;
-    step();
-    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+    for (bool GeofenceResult::*part :
+         {&GeofenceResult::geofence_max_dist_triggered, &GeofenceResult::geofence_max_alt_triggered,
+          &GeofenceResult::geofence_custom_fence_triggered}) {
+        node_ = {};
+        fence_ = {};
+        land_.landed = true;
+        switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
+        fly(Nav::kMission);
+        EXPECT_EQ(status_.nav_state, Nav::kMission);
+        fence_.*part = true;
+        step();
+        EXPECT_EQ(status_.nav_state, Nav::kReturn);
+        EXPECT_EQ(status_.failsafe_event, Event::kGeofence);
+    }
 }
 
 TEST_F(CommanderTest, a_low_battery_leads_home_and_a_critical_one_down_where_it_is) {
@@ -582,14 +580,14 @@ TEST_F(CommanderTest, no_event_disarms_in_the_air) {
         battery_.warning = Warning::kNone;
         land_.landed = true;
         switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
-        position_.x = 3.0F;
+        fence_ = {};
         fly(Nav::kMission);
         position_.xy_valid = (events & 1U) == 0;
         position_.z_valid = (events & 2U) == 0;
         sticks_.valid = (events & 4U) == 0;
         result_.valid = (events & 8U) == 0;
         if ((events & 16U) != 0) battery_.warning = Warning::kCritical;
-        if ((events & 32U) != 0) position_.x = 2000.0F;
+        fence_.geofence_max_dist_triggered = (events & 32U) != 0;
         run(5.0F);
         EXPECT_TRUE(is_armed()) << events;
         EXPECT_EQ(status_.failsafe, events != 0) << events;

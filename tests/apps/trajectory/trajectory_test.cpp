@@ -150,6 +150,30 @@ TEST(LegTest, an_eight_is_as_long_and_wide_and_fast_as_wanted_and_comes_back) {
     EXPECT_LT(math::norm(leg.at(leg.duration()).position), 1e-3F);
 }
 
+TEST(LegTest, a_circle_keeps_its_radius_its_speed_and_its_side) {
+    for (const float turns : {2.0F, -2.0F}) {
+        // East of the middle.
+        const Leg leg = Leg::circle(math::kHalfPi<float>, 10.0F, turns, {2.0F, 1.0F, 8.0F});
+        float speed = 0.0F;
+        for (float t = 0.0F; t < leg.duration(); t += 0.01F) {
+            const PathState now = leg.at(t);
+            const Vector3<float> from_middle = now.position + Vector3<float>(0.0F, 10.0F, 0.0F);
+            EXPECT_NEAR(math::norm(from_middle), 10.0F, 1e-3F);
+            EXPECT_LT(math::norm(now.acceleration), 1.1F);
+            speed = math::max(speed, math::norm(now.velocity));
+        }
+        EXPECT_NEAR(speed, 2.0F, 0.01F);
+        // Clockwise as seen from above, which is from north over east to south.
+        EXPECT_LT(turns * leg.at(3.0F).velocity.x(), 0.0F);
+        EXPECT_LT(math::norm(leg.at(leg.duration()).position), 1e-2F);
+    }
+}
+
+TEST(LegTest, a_small_circle_is_flown_as_slowly_as_its_acceleration_wants) {
+    const Leg leg = Leg::circle(0.0F, 1.0F, 3.0F, {5.0F, 1.0F, 8.0F});
+    EXPECT_LT(math::norm(leg.at(0.5F * leg.duration()).velocity), 1.01F);
+}
+
 // --- the node ---
 
 class TrajectoryTest : public ::testing::Test {

@@ -32,7 +32,8 @@ PIPE = subprocess.PIPE
 
 def start(lock: Path, *words: str) -> subprocess.Popen[str]:
     command = [sys.executable, "-I", "-c", HOLDER, str(lock), *words]
-    return subprocess.Popen(command, stdin=PIPE, stdout=PIPE, stderr=PIPE, text=True)
+    shown = os.environ | {"STATOR_PROGRESS": "on"}
+    return subprocess.Popen(command, stdin=PIPE, stdout=PIPE, stderr=PIPE, text=True, env=shown)
 
 
 def read(process: subprocess.Popen[str], stream: str) -> str:

@@ -112,6 +112,7 @@ BAD = {
     "missed_releases": 703,
     "missed_life_signs": 704,
     "unrecorded_activations": 705,
+    "refused_publications": 706,
 }
 ENDED: dict[str, Any] = {
     "graph": "quad",
@@ -130,6 +131,7 @@ ENDED: dict[str, Any] = {
     "levels": [{"level": 5, "load": 0.5, "worst_release_us": 0.0}],
     "not_allowed": [],
     "nonvolatile": None,
+    "refused_output": "node.output",
 }
 
 

@@ -17,11 +17,12 @@ from pyulog import ULog
 from stator.build.cmake import build
 from stator.flight.log import read_flight, read_truth
 from stator.flight.mission import MissionFlight, judge_mission
-from stator.mission.model import packed
 from stator.mission.read import read_mission
+from stator.mission.store import write
 
 ROOT = Path(__file__).parents[3]
 MISSIONS = ROOT / "graph" / "missions"
+PLANS = ROOT / "tests" / "codegen" / "mission" / "plans"
 WINDY = ("--wind", "8", "--gusts", "moderate")
 
 
@@ -41,7 +42,7 @@ def fly_many(mission: str, seeds: range, folder: Path, *options: str) -> dict[in
     program = build(ROOT / "graph" / "quad_outdoor.yaml", "sitl", executor="virtual")
     flown = read_mission(MISSIONS / f"{mission}.yaml")
     file, log, truth = folder / "mission", folder / "flight.ulg", folder / "flight.truth"
-    file.write_bytes(packed(flown))
+    write(flown, file)
     command = [program, "--mission", file, "--log", log, "--truth", truth, "--duration", "200"]
     results = {}
     for seed in seeds:
@@ -195,6 +196,142 @@ def test_a_plan_of_a_ground_station_is_flown(tmp_path: Path) -> None:
     _, position, _ = truth(facts)
     assert position[-1, 0] == pytest.approx(30.0, abs=1.5)
     assert position[-1, 1] == pytest.approx(0.0, abs=1.5)
+
+
+def fly_plan(name: str, log: Path, *arguments: str) -> dict[str, Any]:
+    return fly("square", log, "--mission", str(PLANS / name), *arguments)
+
+
+def test_a_return_leads_to_the_nearest_rally_point(tmp_path: Path) -> None:
+    facts = fly_plan("rally.plan", tmp_path / "flight.ulg")
+    assert facts["success"], facts["reason"]
+    assert facts["landing_error_m"] < 1.0  # from the rally point
+    _, position, _ = truth(facts)
+    assert position[-1, :2] == pytest.approx([70.0, 60.0], abs=2.0)
+
+
+def test_without_autocontinue_it_waits_and_then_returns(tmp_path: Path) -> None:
+    facts = fly_plan("autocontinue.plan", tmp_path / "flight.ulg")
+    assert facts["success"], facts["reason"]
+    assert modes(facts)[1:-1] == ["mission", "hold", "return", "landing"]
+    begin, end = (facts["modes"][i]["time_s"] for i in (2, 3))
+    assert end - begin == pytest.approx(30.0, abs=0.1)
+    _, position, _ = truth(facts)
+    assert position[:, 1].max() < 5.0, "it never flew to the third item, 20 m east"
+    assert "without autocontinue" in facts["mission_notes"][0]
+
+
+def test_a_mission_that_ends_in_the_air_returns(tmp_path: Path) -> None:
+    facts = fly_plan("no_end.plan", tmp_path / "flight.ulg")
+    assert facts["success"], facts["reason"]
+    assert modes(facts)[1:-1] == ["mission", "hold", "return", "landing"]
+    assert "no landing at the end" in facts["mission_notes"][0]
+
+
+def test_each_speed_has_its_direction(tmp_path: Path) -> None:
+    """3 m/s over ground; then up with 0.8 m/s; then down with 0.6 m/s."""
+    log = tmp_path / "flight.ulg"
+    facts = fly_plan("speeds.plan", log)
+    assert facts["success"], facts["reason"]
+    time, velocity = columns(log, "trajectory_setpoint", *(f"velocity[{i}]" for i in range(3)))
+    reached = {item["number"]: item["reached_s"] for item in facts["items"]}
+
+    def between(first: int, last: int) -> np.ndarray:
+        rows: np.ndarray = velocity[(time > reached[first]) & (time < reached[last])]
+        return rows
+
+    # A setpoint that begins before the one before has come to rest adds to it a little.
+    assert np.hypot(*between(1, 3)[:, :2].T).max() == pytest.approx(3.0, abs=0.05)
+    assert -between(3, 5)[:, 2].min() == pytest.approx(0.8, abs=0.05)
+    assert between(5, 7)[:, 2].max() == pytest.approx(0.6, abs=0.05)
+
+
+def test_loiter_turns_are_circles(tmp_path: Path) -> None:
+    """Two turns of 5 m about a place 20 m north."""
+    log = tmp_path / "flight.ulg"
+    fly_plan("loiters.plan", log, "--duration", "60")
+    time, setpoint = columns(log, "trajectory_setpoint", "position[0]", "position[1]")
+    goal_time, goal = columns(log, "goto_setpoint", "kind", "position[0]", "position[1]")
+    circle = np.flatnonzero(goal[:, 0] == 4)
+    rows = (time > goal_time[circle[0]] + 0.05) & (time < goal_time[circle[-1]])
+    out = setpoint[rows] - goal[circle[0], 1:]
+    assert np.hypot(*out.T) == pytest.approx(5.0, abs=0.05)
+    turned = np.unwrap(np.arctan2(out[:, 1], out[:, 0]))
+    assert turned[-1] - turned[0] == pytest.approx(4 * np.pi, abs=0.2), "clockwise, from above"
+
+
+def test_it_looks_at_the_region_of_interest(tmp_path: Path) -> None:
+    """15 m north and 10 m east of home, on the way from home to a place 30 m north."""
+    log = tmp_path / "flight.ulg"
+    facts = fly_plan("region_of_interest.plan", log)
+    assert facts["success"], facts["reason"]
+    reached = {item["number"]: item["reached_s"] for item in facts["items"]}
+    time, position, _ = truth(facts)
+    yaw_time, yaw = columns(log, "trajectory_setpoint", "yaw")
+    for at in np.arange(reached[1] + 3.0, reached[3], 0.5):
+        here = position[np.searchsorted(time, at)] - position[0]
+        wanted = np.arctan2(10.0 - here[1], 15.0 - here[0])
+        off = yaw[np.searchsorted(yaw_time, at), 0] - wanted
+        assert abs(np.arctan2(np.sin(off), np.cos(off))) < 0.35
+
+
+def test_a_thousand_items_begin_to_be_flown(tmp_path: Path) -> None:
+    """Places 2 m apart, round and round a square of 20 m. All are looked at before it arms."""
+    items = ["takeoff: {height: 6 m}"]
+    for i in range(998):
+        side, step = divmod(i % 40, 10)
+        along = 2 * step
+        north, east = ((along, 0), (20, along), (20 - along, 20), (0, 20 - along))[side]
+        items.append(f"waypoint: {{north: {north} m, east: {east} m, radius: 1.5 m, speed: 5 m/s}}")
+    file = tmp_path / "dense.yaml"
+    text = "".join(f"  - {item}\n" for item in [*items, "return"])
+    file.write_text(f"items:\n{text}", encoding="utf-8")
+    assert len(read_mission(file).items) == 1001  # one for the speed
+    facts = fly("square", tmp_path / "flight.ulg", "--mission", str(file), "--duration", "100")
+    assert facts["modes"][1]["mode"] == "mission"
+    assert facts["modes"][1]["time_s"] < 6.0
+    assert facts["items_total"] == 999
+    assert facts["items_reached"] > 90
+    assert facts["corridor_m"] < 2.5
+
+
+def test_the_duration_is_that_of_the_mission(tmp_path: Path) -> None:
+    """12 laps of 40 m at 6 m/s take 356 s: 2 pi sqrt(2) 20 m / 6 m/s each."""
+    file = tmp_path / "eight.yaml"
+    eight = "eight: {length: 40 m, laps: 12, speed: 6 m/s}"
+    file.write_text(f"items: [takeoff: {{height: 10 m}}, {eight}, return]", encoding="utf-8")
+    facts = fly("square", tmp_path / "flight.ulg", "--mission", str(file), "--no-record")
+    assert facts["success"], facts["reason"]
+    assert facts["duration_s"] > 380.0
+
+
+def test_a_landing_far_from_its_place_is_no_success(tmp_path: Path) -> None:
+    """The mission has no limit for it: satellites that are 40 m off while it lands."""
+    file = tmp_path / "plain.yaml"
+    file.write_text("items: [takeoff: {height: 10 m}, waypoint: {north: 9 m}, return]\n")
+    options = ("--mission", str(file), "--fail", "gnss_glitch=40@12")
+    facts = fly("square", tmp_path / "flight.ulg", *options)
+    assert not facts["success"]
+    assert "landing error" in facts["reason"]
+    assert "(limit 5 m)" in facts["reason"]
+
+
+@pytest.mark.parametrize(
+    ("items", "message"),
+    [
+        ("waypoint: {north: 501 m}", "item 2, waypoint: expected a distance of at most 500 m"),
+        ("waypoint: {height: 121 m}", "item 2, waypoint: expected a height of at most 120 m"),
+    ],
+)
+def test_what_the_fence_of_the_graph_forbids_does_not_take_off(
+    items: str, message: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "mission.yaml"
+    file.write_text(f"items: [takeoff: {{height: 5 m}}, {items}, return]", encoding="utf-8")
+    command = [ROOT / "stator", "fly", "--mission", file]
+    finished = subprocess.run(command, cwd=ROOT, check=False, capture_output=True, text=True)
+    assert finished.returncode == 2
+    assert message in finished.stderr
 
 
 def test_the_same_seed_flies_the_same_mission_again(tmp_path: Path) -> None:

@@ -32,7 +32,7 @@ def test_a_record_of_another_length_is_refused() -> None:
 
 def test_constants() -> None:
     assert constant("boards/linux/main.cpp", "kRestart") == 3
-    assert constant("apps/navigator/route.cpp", "kShortestEight") == 2.0
+    assert constant("apps/navigator/item.hpp", "kShortestEight") == 2.0
     with pytest.raises(AssertionError, match="has no number kNothing"):
         constant(RECORD, "kNothing")
 

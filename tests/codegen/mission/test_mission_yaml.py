@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-import math
-import struct
 from pathlib import Path
 
 import pytest
 
 from stator import HOME
 from stator.diagnostics import Failed, UserError
-from stator.mission.model import (
+from stator.mission.commands import (
+    CHANGE_SPEED,
     EIGHT,
-    FOREVER_S,
     LAND,
-    MAX_ITEMS,
+    LOCAL,
+    LOITER_UNLIMITED,
+    RELATIVE,
     RETURN,
     TAKEOFF,
     WAYPOINT,
-    Mission,
-    packed,
 )
+from stator.mission.model import MAX_ITEMS, Mission
 from stator.mission.read import read_mission
+from stator.mission.vehicle import Vehicle
 
 
 def read(text: str, folder: Path) -> Mission:
@@ -53,22 +53,29 @@ def test_items_take_place_and_height_from_the_one_before(tmp_path: Path) -> None
         """,
         tmp_path,
     )
-    kinds = [item.kind for item in mission.items]
-    assert kinds == [TAKEOFF, WAYPOINT, WAYPOINT, WAYPOINT, EIGHT, LAND]
-    places = [(item.north, item.east, item.height) for item in mission.items]
+    # A speed is an item of its own.
+    flown = [item for item in mission.items if item.command != CHANGE_SPEED]
+    commands = [item.command for item in flown]
+    assert commands == [TAKEOFF, WAYPOINT, WAYPOINT, WAYPOINT, EIGHT, LAND]
+    places = [(item.x, item.y, item.z) for item in flown]
     assert places == [(0, 0, 5), (20, 0, 5), (20, 10, 7), (20, 10, 7), (20, 10, 7), (20, 10, 7)]
-    second = mission.items[1]
-    assert second.heading == pytest.approx(math.pi / 2)
-    assert (second.hold, second.speed, second.radius) == (2.0, 5.0, 2.0)
-    assert mission.items[2].hold == 0.0  # flies on
-    assert mission.items[3].hold == 60.0
-    assert (mission.items[4].radius, mission.items[4].hold) == (10.0, 3.0)
-    assert math.isnan(mission.items[2].speed)
+    assert {item.frame for item in flown} == {LOCAL}
+    assert flown[1].params == (2.0, 2.0, 0.0, pytest.approx(90.0))
+    assert flown[2].params[0] == 0.0  # flies on
+    assert flown[3].params[0] == 60.0
+    assert flown[4].params[:3] == (5.0, 2.5, 3.0)
+    speeds = [(n, i.params[1]) for n, i in enumerate(mission.items) if i.command == CHANGE_SPEED]
+    assert speeds == [(1, 5.0), (3, -2.0), (6, 5.0)]
+    assert [item.number for item in flown] == [1, 2, 3, 4, 5, 6]
 
 
 def test_a_loiter_without_time_lasts(tmp_path: Path) -> None:
     mission = read("items: [takeoff: {height: 5 m}, loiter: {}]", tmp_path)
-    assert mission.items[1].hold == FOREVER_S
+    assert mission.items[1].command == LOITER_UNLIMITED
+    assert mission.notes == (
+        "it has no end: it goes on until the pilot or a failsafe ends it; "
+        "hint: end it with a return",
+    )
 
 
 def test_origin_fence_and_limits(tmp_path: Path) -> None:
@@ -76,15 +83,46 @@ def test_origin_fence_and_limits(tmp_path: Path) -> None:
         """
         origin: {latitude: 47.4 deg, longitude: 8.5 deg}
         fence: {radius: 50 m, height: 20 m}
-        items: [takeoff: {height: 5 m}, return]
+        items: [takeoff: {height: 5 m}, waypoint: {north: 20 m}, return]
         limits: {corridor: 2 m, touchdown_speed: 80 cm/s}
         """,
         tmp_path,
     )
-    assert mission.origin == (47.4, 8.5)
-    assert (mission.fence_radius, mission.fence_height) == (50.0, 20.0)
+    assert mission.home is not None
+    assert (mission.home.latitude, mission.home.longitude) == (47.4, 8.5)
+    assert (mission.areas[0].radius, mission.ceiling) == (50.0, 20.0)
     assert mission.limits == {"corridor": 2.0, "touchdown_speed": 0.8}
-    assert mission.items[1].kind == RETURN
+    assert mission.items[1].frame == RELATIVE
+    # A degree of latitude is 111,183 m there.
+    assert mission.items[1].x == pytest.approx(47.4 + 20.0 / 111_183.0, abs=1e-7)
+    assert mission.items[2].command == RETURN
+
+
+def test_a_landing_at_another_height_goes_there_first(tmp_path: Path) -> None:
+    mission = read("items: [takeoff: {height: 5 m}, land: {north: 9 m, height: 8 m}]", tmp_path)
+    assert [item.command for item in mission.items] == [TAKEOFF, WAYPOINT, LAND]
+    assert mission.items[1].z == 8.0
+    assert not mission.items[1].is_reached
+    assert {item.number for item in mission.items[1:]} == {2}
+
+
+def test_it_is_held_against_the_limits_of_the_vehicle(tmp_path: Path) -> None:
+    vehicle = Vehicle(fence_radius=500.0, fence_height=120.0, farthest=1000.0)
+    for items, message in (
+        ("waypoint: {north: 501 m}", "at most 500 m (the fence of the vehicle, navigator.fence_r"),
+        ("waypoint: {height: 121 m}", "at most 120 m (the fence of the vehicle, navigator.fence_h"),
+    ):
+        file = tmp_path / "mission.yaml"
+        file.write_text(f"items: [takeoff: {{height: 5 m}}, {items}]", encoding="utf-8")
+        with pytest.raises(UserError, match="item 2, waypoint: expected") as refused:
+            read_mission(file, vehicle)
+        assert message in str(refused.value)
+    fenced = "fence: {radius: 1500 m}\nitems: [takeoff: {height: 5 m}, waypoint: {north: 600 m}]"
+    file.write_text(fenced, encoding="utf-8")
+    assert read_mission(file, vehicle)
+    file.write_text(fenced.replace("600", "1001"), encoding="utf-8")
+    with pytest.raises(UserError, match=r"at most 1000 m \(navigator.farthest\), found 1001.0 m"):
+        read_mission(file, vehicle)
 
 
 @pytest.mark.parametrize(
@@ -114,7 +152,7 @@ def test_origin_fence_and_limits(tmp_path: Path) -> None:
         ("items: [takeoff: {height: 5 m}]\nlimits: {colour: 5 m}", "unknown key 'colour'"),
         (
             f"items: [takeoff: {{height: 5 m}}{', waypoint: {}' * MAX_ITEMS}]",
-            "expected at most 31 items, found 32",
+            f"expected at most {MAX_ITEMS} items, found {MAX_ITEMS + 1}",
         ),
     ],
 )
@@ -178,17 +216,3 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize("file", sorted((HOME / "graph" / "missions").glob("*.yaml")))
 def test_the_missions_of_the_project_are_good(file: Path) -> None:
     assert len(read_mission(file).items) >= 2
-
-
-def test_bytes_are_those_of_the_message(tmp_path: Path) -> None:
-    """Offsets by hand from graph/messages/Mission.yaml: timestamp, origin (two doubles), the fence
-    (two floats), count, 31 kinds, then seven times 31 floats."""
-    data = packed(read("items: [takeoff: {height: 5 m}, waypoint: {north: 3 m}]", tmp_path))
-    assert len(data) % 8 == 0
-    latitude, longitude = struct.unpack_from("<2d", data, 8)
-    assert math.isnan(latitude)
-    assert math.isnan(longitude)
-    assert data[32] == 2
-    assert list(data[33:36]) == [TAKEOFF, WAYPOINT, 0]
-    assert struct.unpack_from("<3f", data, 64) == (0.0, 3.0, 0.0)  # north
-    assert struct.unpack_from("<2f", data, 64 + 2 * 31 * 4) == (5.0, 5.0)  # height

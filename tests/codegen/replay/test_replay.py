@@ -51,6 +51,8 @@ def mixed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     log = tmp_path_factory.mktemp("flight") / "mixed.ulg"
     facts = flown(MIXED, log, "--times", "random", variant=PREEMPTION | RECORDING)
     assert facts["preemptions"] > 100
+    assert facts["refused_output"] == "gather.sum"
+    assert 100 < facts["refused_publications"] <= 200  # one each 20 ms, in two modes of three
     return log
 
 

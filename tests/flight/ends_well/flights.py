@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import random
 import subprocess
 from dataclasses import dataclass
@@ -17,10 +16,12 @@ from pyulog import ULog
 
 from stator import HOME
 from stator.build.cmake import build
-from stator.flight.arguments import faults_of, setting_of
+from stator.flight.arguments import faults_of, memory_of, place_options, setting_of
 from stator.flight.invariants import Broken, first_broken
 from stator.flight.log import read_truth_columns
-from stator.mission.model import EIGHT, LAND, RETURN, TAKEOFF, WAYPOINT, Item, Mission, packed
+from stator.mission.read import read_mission
+from stator.mission.vehicle import Vehicle, vehicle_of
+from stator.pipeline import make_plan
 
 if TYPE_CHECKING:
     from stator.flight.faults import Fault
@@ -33,6 +34,11 @@ MOST_WIND_M_S = 12.0
 @cache
 def program() -> Path:
     return build(GRAPH, "sitl", executor="virtual")
+
+
+@cache
+def vehicle() -> Vehicle:
+    return vehicle_of(make_plan(str(GRAPH), "sitl").graph)
 
 
 @dataclass(frozen=True)
@@ -48,25 +54,30 @@ class Ended:
         return f"seed {self.seed}, wind {self.wind}, {faults}: {broken}"
 
 
-def random_mission(draw: random.Random) -> Mission:
+def random_mission(draw: random.Random) -> str:
+    """As the text of a mission."""
     height = draw.uniform(4.0, 40.0)
-    items = [Item(TAKEOFF, 0.0, 0.0, height)]
+    items = [f"takeoff: {{height: {height:.1f} m}}"]
     for _ in range(draw.randint(1, 4)):
         north, east = draw.uniform(-60.0, 60.0), draw.uniform(-60.0, 60.0)
         height = draw.uniform(4.0, 40.0)
+        place = f"north: {north:.1f} m, east: {east:.1f} m, height: {height:.1f} m"
         hold = draw.choice([0.0, 0.0, 3.0, 10.0])
-        speed = draw.choice([math.nan, 2.0, 5.0, 8.0])
-        items.append(Item(WAYPOINT, north, east, height, hold=hold, speed=speed))
+        speed = draw.choice(["", "speed: 2 m/s", "speed: 5 m/s", "speed: 8 m/s"])
+        more = ", ".join([part for part in (f"hold: {hold:g} s" if hold else "", speed) if part])
+        items.append(f"waypoint: {{{place}{', ' if more else ''}{more}}}")
     if draw.random() < 0.2:
-        items.append(Item(EIGHT, 0.0, 0.0, height, radius=20.0, hold=1.0, speed=4.0))
-    last = draw.choice([RETURN, RETURN, LAND])
-    items.append(Item(last, draw.uniform(-30.0, 30.0), draw.uniform(-30.0, 30.0), 0.0))
-    return Mission(tuple(items), fence_radius=150.0, fence_height=80.0)
+        items.append("eight: {length: 20 m, laps: 1, speed: 4 m/s}")
+    items.append(draw.choice(["return", "return", "land"]))
+    rows = "\n".join(f"  - {item}" for item in items)
+    return f"items:\n{rows}\nfence: {{radius: 150 m, height: 80 m}}\n"
 
 
 def fly_random(seed: int, folder: Path) -> Ended:
     draw = random.Random(f"flight {seed}")
-    mission = random_mission(draw)
+    plan = folder / "mission.yaml"
+    plan.write_text(random_mission(draw), encoding="utf-8")
+    mission = read_mission(plan, vehicle())
     wind = draw.choice([0.0, round(draw.uniform(0.0, MOST_WIND_M_S), 1)])
     gusts = draw.choice(["none", "light", "moderate"]) if wind else "none"
     arguments = argparse.Namespace(
@@ -77,13 +88,14 @@ def fly_random(seed: int, folder: Path) -> Ended:
         duration=DURATION_S / 2,
     )
     faults = faults_of(arguments)
-    log, truth, file = folder / "f.ulg", folder / "f.truth", folder / "f.mission"
-    file.write_bytes(packed(mission))
-    command = [program(), "--log", log, "--truth", truth, "--mission", file]
+    log, truth = folder / "f.ulg", folder / "f.truth"
+    command = [program(), "--log", log, "--truth", truth]
     command += ["--seed", str(seed), "--duration", str(DURATION_S), "--gusts", gusts]
     command += ["--wind", str(wind), "--wind-from", str(draw.randrange(360))]
     command += [word for f in faults for text in f.options() for word in ("--fail", text)]
-    finished = subprocess.run(command, check=True, capture_output=True, text=True)
+    with memory_of(mission) as memory:
+        command += ["--mission", str(memory), *place_options(mission)]
+        finished = subprocess.run(command, check=True, capture_output=True, text=True)
     run = json.loads(finished.stdout)
     setting = setting_of(arguments, mission)
     broken = first_broken(ULog(str(log)), read_truth_columns(truth), run["ended"], setting)

@@ -62,7 +62,8 @@ TEST_F(Nested, publishing_wakes_more_urgent_readers_at_once) {
 TEST(TopicLayout, state_is_three_words_and_slots_count_from_the_top_bit) {
     static_assert(sizeof(Shared<uint32_t>) == 4 && sizeof(Shared<uint8_t>) == 1);
     static_assert(sizeof(TopicState) == 12);
-    static_assert(sizeof(Topic) <= 7 * sizeof(void*) + 8);
+    static_assert(sizeof(TurnState) == 2 * sizeof(void*));
+    static_assert(sizeof(Topic) <= 9 * sizeof(void*) + 8);
     static_assert(slot_mask(0) == 0x80000000U && slot_mask(31) == 1U);
     static_assert(all_slots(1) == 0x80000000U && all_slots(32) == 0xFFFFFFFFU);
     static_assert(std::atomic<uint32_t>::is_always_lock_free);

@@ -71,6 +71,44 @@ TEST_F(TopicTest, an_unconnected_output_publishes_nothing) {
     EXPECT_FALSE(was_made);
 }
 
+TEST_F(TopicTest, a_publication_beyond_the_burst_is_refused_and_counted) {
+    TopicOf<Reading, 1, 2> topic;
+    Output<Reading> output;
+    output.connect(topic.topic, 7, true, 2);
+    unsigned made = 0;
+    for (uint32_t i = 1; i <= 5; ++i) {
+        output.publish([&] {
+            ++made;
+            return Reading{0, i, 0};
+        });
+    }
+    EXPECT_EQ(output.refused(), 3U);
+    EXPECT_EQ(made, 2U);
+    EXPECT_EQ(topic.state.head.load(), 2U);
+    uint32_t cursor = 0;
+    Input<Reading> input;
+    input.take_latest(topic.topic, cursor, 7);
+    EXPECT_EQ(input->value, 2U);
+}
+
+// It would build in the same slot.
+TEST_F(TopicTest, a_publication_inside_another_one_is_refused) {
+    TopicOf<Reading, 1, 2> topic;
+    Output<Reading> output;
+    output.connect(topic.topic, 7, true, 3);
+    output.publish([&] {
+        output.publish([] { return Reading{0, 9, 0}; });
+        return Reading{0, 1, 0};
+    });
+    EXPECT_EQ(output.refused(), 1U);
+    EXPECT_EQ(topic.state.head.load(), 1U);
+    output.publish([] { return Reading{0, 2, 0}; });
+    output.publish([] { return Reading{0, 3, 0}; });
+    EXPECT_EQ(output.refused(), 1U) << "the outer one counts once";
+    EXPECT_EQ(topic.state.head.load(), 3U);
+    EXPECT_TRUE(topic.is_idle());
+}
+
 TEST_F(TopicTest, is_new_once) {
     TopicOf<Reading, 1, 2> topic;
     publish(topic.topic, Reading{0, 5, 0}, 10);

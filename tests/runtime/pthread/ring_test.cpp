@@ -123,13 +123,55 @@ TEST_F(Ring, a_slot_on_loan_is_given_to_nobody_else) {
     const Loan first = loan(topic.topic, true);
     const Loan second = loan(topic.topic, true);
     EXPECT_NE(first.slot, second.slot);
-    commit(topic.topic, second);
-    commit(topic.topic, first);
+    commit(topic.topic, second, nullptr);
+    commit(topic.topic, first, nullptr);
     Pin pin;
     ASSERT_TRUE(take_latest(topic.topic, 0, pin));
     EXPECT_EQ(pin.slot, first.slot) << "the last one to commit is the newest";
     EXPECT_EQ(pin.number, 2U);
     release(topic.topic, pin);
+    EXPECT_TRUE(topic.is_idle());
+}
+
+// Waking is a system call: it is not made while another publisher may wait for the lock.
+TEST_F(Ring, thinned_subscribers_are_found_under_the_lock_and_woken_behind_it) {
+    TopicOf<Reading, 1, 3, 2> topic;
+    ThinnedState states[3];
+    const Thinned rows[] = {
+        {&states[0], 1000, {0, 1}}, {&states[1], 5000, {0, 2}}, {&states[2], 1000, {0, 4}}};
+    topic.topic.thinned = rows;
+    topic.topic.thinned_count = 3;
+    pending_words[0].bits.store(kAwake);
+    EXPECT_EQ(due_thinned(topic.topic, 0), 7U);
+    EXPECT_EQ(due_thinned(topic.topic, 2500), 5U);
+    EXPECT_EQ(pending_words[0].bits.load(), kAwake) << "found only";
+    activate(topic.topic, 3500);
+    EXPECT_EQ(pending_words[0].bits.load(), kAwake | 5U);
+    EXPECT_EQ(states[0].fires.load(), 3U);
+    EXPECT_EQ(states[1].fires.load(), 1U);
+    pending_words[0].bits.store(0);
+}
+
+// A node's parameters beside the port that publishes them; a logger's input beside what it logs.
+TEST_F(Ring, what_a_job_holds_stays_when_it_reads_a_newer_one) {
+    TopicOf<Reading, 1, 3> topic;  // the ring, what is held, one on loan, one of the link
+    publish(topic.topic, Reading{0, 1, 0}, 0);
+    Pin held;
+    ASSERT_TRUE(take_latest(topic.topic, 0, held));
+    for (uint32_t value = 2; value < 9; ++value) {
+        Pin again;
+        ASSERT_TRUE(take_latest(topic.topic, 0, again));
+        EXPECT_EQ(again.number, value - 1);
+        release(topic.topic, again);
+        publish(topic.topic, Reading{0, value, 0}, 0);
+        EXPECT_EQ(topic.samples[held.slot].value, 1U);
+    }
+    release(topic.topic, held);
+    Pin next;
+    ASSERT_TRUE(take_latest(topic.topic, held.number, next)) << "the level now keeps the newest";
+    EXPECT_EQ(next.number, 8U);
+    EXPECT_TRUE(next.is_kept);
+    release(topic.topic, next);
     EXPECT_TRUE(topic.is_idle());
 }
 
@@ -175,6 +217,7 @@ TEST_F(Ring, a_level_keeps_the_newest_that_it_has_read) {
     ASSERT_TRUE(take_latest(topic.topic, 1, second));
     EXPECT_EQ(second.number, 3U);
     EXPECT_EQ(topic.users[first.slot].done.load(), 1U);
+    release(topic.topic, second);
     EXPECT_TRUE(topic.is_idle());
 }
 

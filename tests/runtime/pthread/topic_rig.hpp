@@ -22,7 +22,8 @@ inline bool is_at_rest(const Topic& topic) {
         readers[slot_of(entry)] += readers_of(entry);
         if (!topic.users[slot_of(entry)].is_live) return false;
     }
-    for (const Pin& kept : topic.state->kept) {
+    for (const Kept& kept : topic.state->kept) {
+        if (kept.holds != 0) return false;
         if (kept.is_kept) --readers[kept.slot];  // not done yet
     }
     unsigned live = 0;

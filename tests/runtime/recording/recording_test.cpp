@@ -30,11 +30,21 @@ TEST(record_stream, writes_numbers_of_seven_bits_a_byte) {
     stream.number(128);
     stream.number(UINT32_MAX);
     EXPECT_EQ(stream.available(), 0U) << "seen before its end";
-    stream.conclude(5, 1'300, previous_us);
+    RecordStream::Part(stream).conclude(5, 1'300, previous_us);
     stream.end();
     EXPECT_EQ(previous_us, 1'300U);
     EXPECT_EQ(drain(stream), (std::vector<uint8_t>{3, 1, 127, 0x80, 1, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F,
                                                    0, 5, 0xAC, 2}));
+}
+
+TEST(record_stream, writes_what_a_port_took_and_published) {
+    std::array<uint8_t, 64> bytes{};
+    RecordStream stream(bytes.data(), bytes.size());
+    stream.begin(3);
+    stream.take(1, 200);
+    RecordStream::Part(stream).bytes("\x02\x07", 2);
+    stream.end();
+    EXPECT_EQ(drain(stream), (std::vector<uint8_t>{3, 1, 0xC8, 1, 2, 7}));
 }
 
 TEST(record_stream, a_record_that_is_not_ended_leaves_no_trace) {
@@ -51,9 +61,10 @@ TEST(record_stream, goes_round_its_memory_without_a_seam) {
     std::array<uint8_t, 32> bytes{};
     RecordStream stream(bytes.data(), bytes.size());
     for (uint8_t i = 0; i < 100; ++i) {
-        const std::array<uint8_t, 7> content{i, 1, 2, 3, 4, 5, 6};
+        const std::array<uint8_t, 5> content{2, 3, 4, 5, 6};
         stream.begin(1);
-        stream.data(content.data(), content.size());
+        stream.take(i, 1);
+        RecordStream::Part(stream).bytes(content.data(), content.size());
         stream.end();
         EXPECT_EQ(drain(stream), (std::vector<uint8_t>{1, i, 1, 2, 3, 4, 5, 6}));
     }
@@ -66,7 +77,9 @@ TEST(record_stream, counts_what_finds_no_room_and_stays_silent_from_there_on) {
     const std::array<uint8_t, 12> content{};
     const auto record = [&] {
         stream.begin(1);
-        stream.data(content.data(), content.size());
+        if (stream.has_room(content.size())) {
+            RecordStream::Part(stream).bytes(content.data(), content.size());
+        }
         stream.end();
     };
     record();
@@ -84,16 +97,12 @@ TEST(record_stream, counts_who_comes_in_while_another_one_is_in_its_node) {
     std::array<uint8_t, 32> bytes{};
     RecordStream low(bytes.data(), bytes.size());
     RecordStream high(bytes.data(), bytes.size());
-    high.enter();
-    high.leave();
-    low.enter();
-    high.enter();
-    high.leave();
-    high.enter();
-    high.leave();
-    low.leave();
-    high.enter();
-    high.leave();
+    high.leave(high.enter());
+    RecordStream* const outside = low.enter();
+    high.leave(high.enter());
+    high.leave(high.enter());
+    low.leave(outside);
+    high.leave(high.enter());
     EXPECT_EQ(low.preemptions(), 0U);
     EXPECT_EQ(high.preemptions(), 2U);
 }

@@ -57,6 +57,17 @@ TEST_F(OrderTest, an_activation_consumes_one_sample_and_wakes_itself_for_the_nex
     EXPECT_EQ(tasks::taker::state.counters.activations, 3U);
 }
 
+TEST_F(OrderTest, what_exceeds_the_burst_is_refused_and_counted) {
+    run_until(2'000);
+    EXPECT_EQ(journal::of(16).size(), 6U);
+    EXPECT_EQ(tasks::greedy::state.counters.lost_samples, 3U);
+    EXPECT_EQ(refused_publications.count.load(), 3U);
+    EXPECT_STREQ(refused_publications.newest.load(), "greedy.out");
+    EXPECT_EQ(tasks::flood::state.counters.lost_samples, 0U);
+    run_until(102'000);
+    EXPECT_EQ(tasks::greedy::state.counters.lost_samples, 6U);
+}
+
 TEST_F(OrderTest, what_the_depth_cannot_hold_is_counted_as_lost) {
     run_until(2'000);
     const std::vector<Entry> taken = journal::of(13);

@@ -29,7 +29,7 @@ class ParameterPort {
         const Topic& topic = *table_->topics[row.topic].topic;
         Pin pin;
         if (!take_latest(topic, 0, pin)) return row.standard;
-        const ParameterBits value = read_parameter(row, sample(topic, pin.slot));
+        const ParameterBits value = read_parameter(row, sample_of(topic, pin));
         release(topic, pin);
         return value;
     }
@@ -42,14 +42,15 @@ class ParameterPort {
         Pin pin;
         if (!take_latest(topic, 0, pin)) return;  // never: all are published at the start
         const Loan loaned = loan(topic, target.keep);
-        std::byte* const message = sample(topic, loaned.slot);
-        std::memcpy(message, sample(topic, pin.slot), topic.sample_bytes);
+        std::byte* const message = slot_at(topic, loaned.slot);
+        std::memcpy(message, sample_of(topic, pin), topic.sample_bytes);
         release(topic, pin);
         write_parameter(row, message, value);
         std::memcpy(message, &now_us_, sizeof now_us_);  // `timestamp` is every message's first
         Tap tap = taps_.at(row.topic);
-        tap.publishes(message, topic.sample_bytes);
-        tap.published(commit(topic, loaned));
+        tap.builds(message);
+        const uint32_t hash = tap.commits(message, topic.sample_bytes);
+        tap.committed(hash, commit(topic, loaned, message));
     }
 
     // --- for generated wrappers ---
@@ -64,10 +65,6 @@ class ParameterPort {
     }
 
   private:
-    static std::byte* sample(const Topic& topic, uint32_t slot) {
-        return static_cast<std::byte*>(topic.samples) + size_t{slot} * topic.sample_bytes;
-    }
-
     const ParameterTable* table_ = nullptr;
     uint64_t now_us_ = 0;
     [[no_unique_address]] Taps taps_;

@@ -12,8 +12,10 @@ class Tap {
   public:
     void takes(uint32_t) {}
     void notes(uint32_t) {}
-    void publishes(void*, uint32_t) {}
-    void published(uint32_t) {}
+    void builds(void*) {}
+    void published(const void*, uint32_t, uint32_t) {}
+    uint32_t commits(const void*, uint32_t) { return 0; }
+    void committed(uint32_t, uint32_t) {}
 };
 
 class Taps {

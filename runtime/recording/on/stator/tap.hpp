@@ -6,22 +6,70 @@
 #include <cstdint>
 
 #include "stator/canonical.hpp"
-#include "stator/crc32.hpp"
 #include "stator/recording.hpp"
+#include "stator/sample_hash.hpp"
 
 namespace stator {
 
 inline constexpr bool kRecords = true;
 
-// What `Tap::publishes` does.
-[[gnu::noinline]] inline void record_sample(RecordStream& stream, const RecordedOutput& output,
-                                            void* message, uint32_t bytes) {
-    stream.number(output.tag);
-    if (output.how == RecordedOutput::How::kStamp) return;
-    canonicalise(static_cast<std::byte*>(message), output.floats, output.float_count);
-    if (output.how == RecordedOutput::How::kWhole) return stream.data(message, bytes);
-    const uint32_t crc = crc32(0, message, bytes);
-    stream.data(&crc, sizeof crc);
+[[gnu::noinline]] inline void make_canonical(const RecordedOutput& output, void* sample) {
+    canonicalise(static_cast<std::byte*>(sample), output.floats, output.float_count);
+}
+
+// A sample that was published, with its hash, and its number less that of the one before.
+[[gnu::always_inline]] inline void record_hash(RecordStream& stream, uint8_t tag, uint32_t hash,
+                                               uint32_t further) {
+    if (!stream.has_room(RecordStream::kTakeBytes + sizeof hash)) return;
+    RecordStream::Part part(stream);
+    part.byte(tag);
+    for (unsigned i = 0; i < sizeof hash; ++i) part.byte(static_cast<uint8_t>(hash >> (8 * i)));
+    part.number(further);
+}
+// The sample itself; its number follows.
+[[gnu::always_inline]] inline void record_whole(RecordStream& stream, uint8_t tag,
+                                                const void* sample, uint32_t bytes) {
+    if (!stream.has_room(RecordStream::kTakeBytes + bytes)) return;
+    RecordStream::Part part(stream);
+    part.byte(tag);
+    part.bytes(sample, bytes);
+}
+
+// Of a sample that stays as it is until it is recorded.
+[[gnu::noinline]] inline void record_publication(RecordStream& stream, const RecordedOutput& output,
+                                                 const void* sample, uint32_t bytes,
+                                                 uint32_t further) {
+    switch (output.how) {
+        case RecordedOutput::How::kHash:
+            return record_hash(stream, output.tag, sample_hash(sample, bytes), further);
+        case RecordedOutput::How::kWhole:
+            record_whole(stream, output.tag, sample, bytes);
+            return stream.number(further);
+        case RecordedOutput::How::kStamp:
+            return stream.take(output.tag, further);
+    }
+}
+
+// Of one whose slot may be reused once it is committed: before that, what depends on the sample.
+// Returns its hash.
+[[gnu::noinline]] inline uint32_t record_sample(RecordStream& stream, const RecordedOutput& output,
+                                                const void* sample, uint32_t bytes) {
+    if (output.how == RecordedOutput::How::kHash) return sample_hash(sample, bytes);
+    if (output.how == RecordedOutput::How::kWhole) {
+        record_whole(stream, output.tag, sample, bytes);
+    }
+    return 0;
+}
+[[gnu::noinline]] inline void record_commit(RecordStream& stream, const RecordedOutput& output,
+                                            uint32_t hash, uint32_t further) {
+    switch (output.how) {
+        case RecordedOutput::How::kHash:
+            return record_hash(stream, output.tag, hash, further);
+        case RecordedOutput::How::kWhole:
+            return stream.number(further);
+        case RecordedOutput::How::kStamp:
+            return stream.take(output.tag, further);
+    }
 }
 
 // A port's connection to the stream of its activation. Its functions hand on numbers and are
@@ -29,12 +77,13 @@ inline constexpr bool kRecords = true;
 class Tap {
   public:
     // `number`: of the newest sample that this port has recorded; for the tap to bring up to date.
-    void connect(RecordStream& stream, uint8_t tag, uint32_t& number) {
+    [[gnu::always_inline]] void connect(RecordStream& stream, uint8_t tag, uint32_t& number) {
         stream_ = &stream;
         tag_ = tag;
         number_ = &number;
     }
-    void connect(RecordStream& stream, const RecordedOutput& output, uint32_t& number) {
+    [[gnu::always_inline]] void connect(RecordStream& stream, const RecordedOutput& output,
+                                        uint32_t& number) {
         connect(stream, output.tag, number);
         output_ = &output;
     }
@@ -42,8 +91,7 @@ class Tap {
     // An input: a sample was taken, whether or not the node comes to see it.
     [[gnu::always_inline]] void takes(uint32_t number) {
         if (stream_ == nullptr) return;
-        stream_->number(tag_);
-        published(number);
+        stream_->take(tag_, further(number));
     }
     // The same of an input that takes one sample before `step`; recorded behind it, so that it
     // does not wait.
@@ -51,21 +99,34 @@ class Tap {
         noted_ = number;
         has_noted_ = true;
     }
-    [[gnu::always_inline]] void record_noted() {
-        if (has_noted_) takes(noted_);
+    [[gnu::always_inline]] void record_noted(RecordStream::Part& part) {
+        if (has_noted_) part.take(tag_, further(noted_));
     }
-    // An output: while the sample is complete and nobody else touches it ...
-    [[gnu::always_inline]] void publishes(void* message, uint32_t bytes) {
-        if (stream_ != nullptr) record_sample(*stream_, *output_, message, bytes);
+    // An output: before anyone can read the sample ...
+    [[gnu::always_inline]] void builds(void* sample) {
+        if (stream_ != nullptr && output_->float_count != 0) make_canonical(*output_, sample);
     }
-    // ... and then its number.
-    [[gnu::always_inline]] void published(uint32_t number) {
+    // ... and behind its commit, if it stays as it is until then ...
+    [[gnu::always_inline]] void published(const void* sample, uint32_t bytes, uint32_t number) {
         if (stream_ == nullptr) return;
-        stream_->number(number - *number_);
-        *number_ = number;
+        record_publication(*stream_, *output_, sample, bytes, further(number));
+    }
+    // ... or what its slot's next user could change before the commit, and the rest behind it.
+    [[gnu::always_inline]] uint32_t commits(const void* sample, uint32_t bytes) {
+        return stream_ == nullptr ? 0 : record_sample(*stream_, *output_, sample, bytes);
+    }
+    [[gnu::always_inline]] void committed(uint32_t hash, uint32_t number) {
+        if (stream_ == nullptr) return;
+        record_commit(*stream_, *output_, hash, further(number));
     }
 
   private:
+    [[gnu::always_inline]] uint32_t further(uint32_t number) {
+        const uint32_t before = *number_;
+        *number_ = number;
+        return number - before;
+    }
+
     RecordStream* stream_ = nullptr;
     const RecordedOutput* output_ = nullptr;
     uint32_t* number_ = nullptr;

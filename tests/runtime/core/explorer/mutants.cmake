@@ -39,40 +39,54 @@ stator_add_mutant(head_before_ring
     TO "    state.head.store(head + 1);\n    topic.ring[head & last].store(mask);"
     RUN --depth 2 "1w 2q")
 stator_add_mutant(number_after_history
-    FROM "    topic.number[loaned.slot].store(head + 1);\n    if (topic.depth == 1) {\n        state.history.store(mask);"
+    FROM "    topic.number[loaned.slot].store(head + 1);\n    if (topic.depth == 1) {"
     TO "    if (topic.depth == 1) state.history.store(mask);\n    topic.number[loaned.slot].store(head + 1);\n    if (topic.depth == 1) {"
+    RUN --depth 1 "1w 2q")
+
+# --- slots in turn ---
+stator_add_mutant(turn_not_taken
+    FROM "const uint32_t number = topic.turns->head.load() + 1;"
+    TO "const uint32_t number = topic.turns->head.load() + 2;"
+    RUN --depth 1 "1w 2r")
+stator_add_mutant(head_before_newest
+    FROM "        topic.turns->newest.store(sample);\n        topic.turns->head.store(loaned.word);"
+    TO "        topic.turns->head.store(loaned.word);\n        topic.turns->newest.store(sample);"
+    RUN --depth 1 "1w 2r")
+stator_add_mutant(number_of_head
+    FROM "return head + ((head ^ slot) & 1U);"
+    TO "return head + ((head ^ slot) & 0U);"
     RUN --depth 1 "1w 2q")
 
 # --- pins ---
 stator_add_mutant(pins_not_asked
-    FROM "free & ~kept_history(topic, keep);"
-    TO "all_slots(topic.slots) & ~kept_history(topic, keep);"
+    FROM "free & ~kept;"
+    TO "all_slots(topic.slots) & ~kept;"
     RUN --depth 1 "1r 2w")
 stator_add_mutant(pin_not_marked
     FROM "    state.free.store(pin.saved_free & ~mask);"
     TO ""
     RUN --depth 1 "1r 2w")
 stator_add_mutant(release_omitted
-    FROM "    if (marks) topic.state->free.store(pin.saved_free);"
+    FROM "    if (marks && topic.turns == nullptr) topic.state->free.store(pin.saved_free);"
     TO "    static_cast<void>(topic), static_cast<void>(pin), static_cast<void>(marks);"
     RUN --depth 1 "1r 2w")
 stator_add_mutant(release_sets_the_bit
-    FROM "if (marks) topic.state->free.store(pin.saved_free);"
-    TO "if (marks) topic.state->free.store(topic.state->free.load() | slot_mask(pin.slot));"
+    FROM "if (marks && topic.turns == nullptr) topic.state->free.store(pin.saved_free);"
+    TO "if (marks && topic.turns == nullptr) topic.state->free.store(topic.state->free.load() | slot_mask(pin.slot));"
     RUN --depth 1 "1r 2r 3w")
 stator_add_mutant(loan_not_marked
-    FROM "    topic.state->free.store(loaned.saved_free & ~slot_mask(loaned.slot));"
+    FROM "    topic.state->free.store(loaned.word & ~slot_mask(loaned.slot));"
     TO ""
     RUN --depth 1 "1w 2w")
 stator_add_mutant(loan_not_given_back
-    FROM "    topic.state->free.store(loaned.saved_free);"
+    FROM "    topic.state->free.store(loaned.word);"
     TO ""
     RUN --depth 1 "1w 2w")
 
 # --- history ---
 stator_add_mutant(newest_not_kept
-    FROM "if (keep) return history;"
-    TO "if (keep) return history & 0U;"
+    FROM "topic.state->load(free, kept);"
+    TO "free = topic.state->free.load();"
     RUN --depth 1 "1w 2r")
 stator_add_mutant(ring_of_depth
     FROM "2U * topic.depth - 1"

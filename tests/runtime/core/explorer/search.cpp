@@ -123,12 +123,12 @@ Constructed::Constructed(const Topology& topology) : depth_(topology.depth) {
     const unsigned top = topology.top();
     for (unsigned level = 1; level <= top; ++level) {
         int most = -1;
-        unsigned most_holds = 0;
+        unsigned most_holds = 0;  // and, of several, how old they can become
         for (unsigned i = 0; i < topology.users.size(); ++i) {
-            const auto& [user_level, role] = topology.users[i];
+            const auto& [user_level, role, burst] = topology.users[i];
             if (user_level != level || (level == top && !role.publishes())) continue;
-            // Of two publishers that read, a queue reader can hold an older sample.
-            const unsigned holds = role.reads() && role.publishes() ? 2U + role.reads_queue() : 1U;
+            const unsigned age = (role.reads_queue() ? depth_ : 1U) + burst;
+            const unsigned holds = role.reads() && role.publishes() ? 16U + age : 1U;
             if (holds <= most_holds) continue;
             most = static_cast<int>(i);
             most_holds = holds;

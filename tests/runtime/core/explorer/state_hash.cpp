@@ -78,7 +78,7 @@ bool World::is_any_in(Job::Phase phase) const {
 }
 
 bool World::is_number(const void* word) const {
-    return word == &state_.head ||
+    return word == &state_.head || word == &turns_.head ||
            (word >= number_.data() && word < number_.data() + number_.size());
 }
 
@@ -93,13 +93,16 @@ void World::note_load(const void* word, uint32_t value) {
 uint64_t World::state_hash() const {
     Hash hash;
     Distances numbers;
-    const uint32_t head = state_.head.peek();
+    const uint32_t head = topic_.turns != nullptr ? turns_.head.peek() : state_.head.peek();
     const auto add_number = [&](uint32_t number) {
         numbers.add(static_cast<int32_t>(head - number));
     };
     const uint32_t free = state_.free.peek();
     const uint32_t history = state_.history.peek();
     hash.add(uint64_t{free} << 32 | history);
+    hash.add(is_any() && topic_.turns != nullptr
+                 ? slot_of({.slot = reinterpret_cast<uintptr_t>(turns_.newest.peek())})
+                 : 2);
     const bool is_taking = is_any_in(Job::Phase::kTaking);
     for (unsigned slot = 0; slot < slots_; ++slot) {
         const bool is_idle = (free & ~history & slot_mask(slot)) != 0;
@@ -122,10 +125,11 @@ uint64_t World::state_hash() const {
     }
     for (unsigned i = 0; i < job_count_; ++i) {
         const Job& job = jobs_[i];
-        hash.add(uint64_t{job.user} << 40 | uint64_t{static_cast<uint8_t>(job.phase)} << 32 |
-                 uint64_t{job.accesses} << 16 | job.load_count);
-        hash.add(job.has_pin ? uint64_t{job.pin.slot} << 32 | job.pin.saved_free : ~0ULL);
-        hash.add(job.has_loan ? uint64_t{job.loaned.slot} << 32 | job.loaned.saved_free : ~0ULL);
+        hash.add(uint64_t{job.published} << 48 | uint64_t{job.user} << 40 |
+                 uint64_t{static_cast<uint8_t>(job.phase)} << 32 | uint64_t{job.accesses} << 16 |
+                 job.load_count);
+        hash.add(job.has_pin ? uint64_t{slot_of(job.pin)} << 32 | job.pin.saved_free : ~0ULL);
+        hash.add(job.has_loan ? uint64_t{job.loaned.slot} << 32 | job.loaned.word : ~0ULL);
         if (job.phase == Job::Phase::kTaking) {
             // What the checks of this take will ask for.
             const unsigned user = job.user;

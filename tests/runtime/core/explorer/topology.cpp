@@ -23,7 +23,11 @@ bool has_one_to_three_publishers(const Topology& topology) {
 
 std::string Topology::name() const {
     std::ostringstream text;
-    for (const TopicUser& user : users) text << user.level << user.role.letter << ' ';
+    for (const TopicUser& user : users) {
+        text << user.level << user.role.letter;
+        if (user.burst > 1) text << user.burst;
+        text << ' ';
+    }
     text << "depth " << depth;
     return text.str();
 }
@@ -44,6 +48,13 @@ unsigned Topology::ceiling() const {
     return several ? highest : 0;
 }
 
+bool Topology::takes_turns() const {
+    return depth == 1 && std::ranges::all_of(users, [this](const TopicUser& user) {
+               if (user.role.publishes()) return user.level == top() && !user.role.reads();
+               return user.level >= top();
+           });
+}
+
 bool Topology::is_read_above(unsigned level) const {
     return std::ranges::any_of(
         users, [=](const TopicUser& user) { return user.role.reads() && user.level > level; });
@@ -51,36 +62,26 @@ bool Topology::is_read_above(unsigned level) const {
 
 unsigned Topology::slots() const {
     const unsigned highest = top();
-    unsigned kept = is_read_above(highest) ? 1 : 0;
+    const unsigned kept = depth - 1 + (is_read_above(highest) ? 1 : 0);
+    unsigned at_top = 0;
     std::map<unsigned, unsigned> held;
-    for (const auto& [level, role] : users) {
-        const unsigned holds = role.reads() && role.publishes() ? 2 : 1;
-        if (level < highest) held[level] = std::max(held[level], holds);
-        if (level == highest && holds == 2) kept = 1;
-    }
-    unsigned sum = (depth - 1) + kept + 1;
-    for (const auto& [level, holds] : held) sum += holds;
-    return sum;
-}
-
-bool Topology::has_slot_to_spare() const {
-    const unsigned highest = top();
-    if (depth == 1 || is_read_above(highest)) return false;
-    bool reads_newest = false;
-    bool reads_queue = false;
-    for (const auto& [level, role] : users) {
+    for (const auto& [level, role, burst] : users) {
+        const unsigned reads = role.reads() ? 1 : 0;
+        if (level < highest) held[level] = std::max(held[level], reads + role.publishes());
         if (level != highest || !role.publishes()) continue;
-        reads_newest = reads_newest || role.letter == 'b';
-        reads_queue = reads_queue || role.letter == 'B';
+        const unsigned oldest = (role.reads_queue() ? depth : 1) + burst - 1;
+        at_top = std::max(at_top, kept + (oldest > kept ? reads : 0) + 1);
     }
-    return reads_newest && !reads_queue;
+    for (const auto& [level, holds] : held) at_top += holds;
+    return at_top;
 }
 
 Topology parse_topology(const std::string& text, unsigned depth) {
     Topology topology{{}, depth};
     std::istringstream words(text);
     for (std::string word; words >> word;) {
-        topology.users.push_back({static_cast<unsigned>(word[0] - '0'), {word[1]}});
+        const auto burst = word.size() > 2 ? static_cast<unsigned>(std::stoul(word.substr(2))) : 1U;
+        topology.users.push_back({static_cast<unsigned>(word[0] - '0'), {word[1]}, burst});
     }
     return topology;
 }
@@ -123,6 +124,18 @@ std::vector<Topology> shared_level_topologies(unsigned levels, unsigned depth) {
     }
     std::erase_if(all, [](const Topology& t) { return !has_one_to_three_publishers(t); });
     return all;
+}
+
+std::vector<Topology> with_burst(std::vector<Topology> topologies, unsigned burst) {
+    const auto reads_its_own = [](const TopicUser& user) {
+        return user.role.reads() && user.role.publishes();
+    };
+    std::erase_if(topologies,
+                  [&](const Topology& t) { return std::ranges::none_of(t.users, reads_its_own); });
+    for (Topology& topology : topologies) {
+        for (TopicUser& user : topology.users) user.burst = reads_its_own(user) ? burst : 1;
+    }
+    return topologies;
 }
 
 }  // namespace stator::explorer

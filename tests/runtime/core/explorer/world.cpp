@@ -47,7 +47,8 @@ World::World(const Topology& topology, unsigned slots, uint32_t first, unsigned 
               .thinned_count = 0,
               .slots = static_cast<uint8_t>(slots),
               .depth = static_cast<uint8_t>(topology.depth),
-              .ceiling = static_cast<uint8_t>(topology.ceiling())};
+              .ceiling = static_cast<uint8_t>(topology.ceiling()),
+              .turns = topology.takes_turns() && slots == topology.slots() ? &turns_ : nullptr};
 }
 
 bool World::run(Schedule& schedule) {
@@ -58,6 +59,7 @@ bool World::run(Schedule& schedule) {
     ceiling_ = 0;
     job_count_ = 0;
     state_ = {Shared<uint32_t>(all_slots(slots_)), {}, Shared<uint32_t>(first_)};
+    turns_ = {{}, Shared<uint32_t>(first_)};
     number_.fill(Shared<uint32_t>(first_));
     ring_ = {};
     cursor_.fill(first_);
@@ -112,8 +114,9 @@ void World::activate(unsigned user, bool only_publishes) {
     job.user = user;
     job.only_publishes = only_publishes;
     job.has_pin = job.has_loan = false;
+    job.published = 0;
     job.newest_at_start = newest();
-    job.any_at_start = state_.history.peek() != 0;
+    job.any_at_start = is_any();
     try {
         step(job);
     } catch (const Violation&) {
@@ -127,14 +130,17 @@ void World::step(Job& job) {
     const bool reads = role.reads() && !job.only_publishes;
     Sample seen{};
     if (reads && take(job)) {
-        seen = samples_[job.pin.slot];
+        seen = samples_[slot_of(job.pin)];
         expect(seen.first == seen.second, "a reader gets a sample that is not complete");
     }
-    if (role.publishes()) publish(job);
+    const unsigned burst = job.only_publishes ? 1 : topology_.users[job.user].burst;
+    for (job.published = 0; role.publishes() && job.published < burst; ++job.published) {
+        publish(job);
+    }
     if (!job.has_pin) return;
     job.enter(role.publishes() ? Job::Phase::kReleasing : Job::Phase::kHolding);
     stator::release(topic_, job.pin, marks_[job.user]);
-    const Sample& now = samples_[job.pin.slot];
+    const Sample& now = samples_[slot_of(job.pin)];
     expect(now.first == seen.first && now.second == seen.second,
            "a sample changes while it is read");
     job.has_pin = false;
@@ -154,11 +160,13 @@ bool World::take(Job& job) {
         return false;
     }
     for (unsigned i = 0; i + 1 < job_count_; ++i) {
-        expect(!jobs_[i].has_loan || jobs_[i].is_built || jobs_[i].loaned.slot != job.pin.slot,
+        expect(!jobs_[i].has_loan || jobs_[i].is_built || jobs_[i].loaned.slot != slot_of(job.pin),
                "a reader takes a slot that is being built");
     }
     job.has_pin = true;
-    const uint32_t number = number_[job.pin.slot].load();
+    const uint32_t number = number_of(topic_, job.pin);
+    expect(topic_.turns == nullptr || number == built_[slot_of(job.pin)],
+           "a sample has the wrong number");
     check_taken(job, before, lost, number);
     job.enter(Job::Phase::kHolding);
     return true;
@@ -189,10 +197,11 @@ void World::publish(Job& job) {
     Sample& sample = samples_[job.loaned.slot];
     const uint32_t stamp = ++stamp_;
     sample.first = stamp;
+    built_[job.loaned.slot] = last_newest_ + 1;
     stator::preemption_point();
     sample.second = stamp;
     job.enter(Job::Phase::kCommitting);
-    commit(topic_, job.loaned);
+    commit(topic_, job.loaned, slot_at(topic_, job.loaned.slot));
     job.has_loan = false;
 }
 
@@ -200,13 +209,18 @@ void World::check_loaned(const Job& job) {
     expect(job.loaned.slot < slots_, "topic: no free slot");
     for (unsigned i = 0; i < job_count_; ++i) {
         const Job& other = jobs_[i];
-        expect(!other.has_pin || other.pin.slot != job.loaned.slot, "a slot in use is built anew");
+        expect(!other.has_pin || slot_of(other.pin) != job.loaned.slot,
+               "a slot in use is built anew");
         expect(!other.has_loan || other.is_built || other.loaned.slot != job.loaned.slot,
                "one slot is built twice");
     }
 }
 
 void World::check_idle() {
+    if (topic_.turns != nullptr) {
+        expect(newest() == turns_.head.peek(), "the newest sample is not the last one published");
+        return;
+    }
     const uint32_t head = state_.head.peek();
     const uint32_t count = head - first_;
     const unsigned kept = count < topology_.depth ? count : topology_.depth;
@@ -226,14 +240,34 @@ void World::check_idle() {
 
 // The number of the newest sample that readers can see.
 uint32_t World::newest() const {
+    if (topic_.turns != nullptr) {
+        const uint32_t head = turns_.head.peek();
+        const bool is_ahead =
+            is_any() && topic_.slots == 2 &&
+            slot_of({.slot = reinterpret_cast<uintptr_t>(turns_.newest.peek())}) != (head & 1U);
+        return is_ahead ? head + 1 : head;
+    }
     if (topology_.depth != 1) return state_.head.peek();
     const uint32_t history = state_.history.peek();
     return history == 0 ? first_ : number_[static_cast<unsigned>(std::countl_zero(history))].peek();
 }
 
+bool World::is_any() const {
+    return topic_.turns != nullptr ? turns_.newest.peek() != nullptr : state_.history.peek() != 0;
+}
+
+unsigned World::slot_of(const Pin& pin) const {
+    return static_cast<unsigned>(reinterpret_cast<const Sample*>(sample_of(topic_, pin)) -
+                                 samples_.data());
+}
+
 void World::note_store(const void* word) {
     const void* commit_word =
         topology_.depth == 1 ? static_cast<const void*>(&state_.history) : &state_.head;
+    if (topic_.turns != nullptr) {
+        const bool is_seen = topology_.is_read_above(topology_.top());
+        commit_word = is_seen ? static_cast<const void*>(&turns_.newest) : &turns_.head;
+    }
     if (word != commit_word || is_over_) return;
     expect(newest() == last_newest_ + 1, "samples are not numbered one by one");
     last_newest_ = newest();

@@ -41,6 +41,7 @@ struct Job {
     bool has_pin = false;
     bool has_loan = false;
     bool is_built = false;  // the loan is past its commit point
+    unsigned published = 0;
     Pin pin{};
     Loan loaned{};
     uint32_t newest_at_start = 0;
@@ -106,6 +107,8 @@ class World {
     bool is_number(const void* word) const;
     bool is_any_in(Job::Phase phase) const;
     uint32_t newest() const;
+    bool is_any() const;
+    unsigned slot_of(const Pin& pin) const;
 
     Topology topology_;
     unsigned slots_;
@@ -126,6 +129,8 @@ class World {
     std::array<Shared<uint32_t>, kMostSlots> number_{};
     std::array<Shared<uint32_t>, kMostRing> ring_{};
     TopicState state_{};
+    TurnState turns_{};
+    std::array<uint32_t, kMostSlots> built_{};  // where slots take turns: the number of each sample
     uint32_t stamp_ = 0;
     Topic topic_{};
 };

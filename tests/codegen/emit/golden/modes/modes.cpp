@@ -47,7 +47,7 @@ void start() {
 void follow() {
     Pin pin;
     if (!take_latest(topics::mode, 0, pin)) return;
-    const unsigned mode = (static_cast<const Mode*>(topics::mode.samples) + pin.slot)->mode;
+    const unsigned mode = reinterpret_cast<const Mode*>(sample_of(topics::mode, pin))->mode;
     release(topics::mode, pin);
     if (mode < kModeCount && mode != current) change(mode);
 }

@@ -14,8 +14,8 @@ namespace count_parts {
 [[gnu::noinline]] Loan loan_in_section(const Topic&, bool keep) {
     return stator::loan_in_section(count, keep);
 }
-[[gnu::noinline]] uint32_t commit_in_section(const Topic&, Loan loaned) {
-    return stator::commit_in_section(count, loaned);
+[[gnu::noinline]] uint32_t commit_in_section(const Topic&, Loan loaned, const std::byte* sample) {
+    return stator::commit_in_section(count, loaned, sample);
 }
 [[gnu::noinline]] bool is_due_in_section(const Topic&, const Thinned& subscriber, uint64_t timestamp_us) {
     return stator::is_due_in_section(count, subscriber, timestamp_us);
@@ -24,10 +24,7 @@ namespace count_parts {
 
 // Not by initialisers: then all samples would have an image in flash.
 void prepare() {
-    mode_parts::storage.state.free.store(all_slots(1));
     count_parts::storage.state.free.store(all_slots(2));
-    careful_params_parts::storage.state.free.store(all_slots(2));
-    bold_params_parts::storage.state.free.store(all_slots(2));
 }
 
 }  // namespace stator::topics

@@ -13,19 +13,18 @@ namespace stator::topics {
 // Before anything is published.
 void prepare();
 
-// mode: Mode, depth 1, 1 slots
+// mode: Mode, depth 1, 1 slot
 namespace mode_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[1];
     alignas(Mode) uint8_t samples[1 * sizeof(Mode)];
+    TurnState turns;
 };
 extern Storage storage;
 }  // namespace mode_parts
 inline constexpr Topic mode{
-    .state = &mode_parts::storage.state,
+    .state = nullptr,
     .samples = mode_parts::storage.samples,
-    .number = mode_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
@@ -36,19 +35,21 @@ inline constexpr Topic mode{
     .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &mode_parts::storage.turns,
 };
 
 // count: Count, depth 1, 2 slots
 namespace count_parts {
 struct Storage {
+    alignas(Count) uint8_t samples[2 * sizeof(Count)];
     TopicState state;
     Shared<uint32_t> number[2];
-    alignas(Count) uint8_t samples[2 * sizeof(Count)];
+    Shared<const std::byte*> newest;
 };
 extern Storage storage;
 inline constexpr Pend subscribers[] = {{0, 0x2}};
 Loan loan_in_section(const Topic& topic, bool keep);
-uint32_t commit_in_section(const Topic& topic, Loan loaned);
+uint32_t commit_in_section(const Topic& topic, Loan loaned, const std::byte* sample);
 bool is_due_in_section(const Topic& topic, const Thinned& subscriber, uint64_t timestamp_us);
 inline constexpr InSection in_section{loan_in_section, commit_in_section, is_due_in_section};
 }  // namespace count_parts
@@ -66,21 +67,21 @@ inline constexpr Topic count{
     .slots = 2,
     .depth = 1,
     .ceiling = 3,
+    .newest = &count_parts::storage.newest,
 };
 
-// careful_params: CounterParams, depth 1, 2 slots
+// careful_params: CounterParams, depth 1, 1 slot
 namespace careful_params_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[2];
-    alignas(CounterParams) uint8_t samples[2 * sizeof(CounterParams)];
+    alignas(CounterParams) uint8_t samples[1 * sizeof(CounterParams)];
+    TurnState turns;
 };
 extern Storage storage;
 }  // namespace careful_params_parts
 inline constexpr Topic careful_params{
-    .state = &careful_params_parts::storage.state,
+    .state = nullptr,
     .samples = careful_params_parts::storage.samples,
-    .number = careful_params_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
@@ -88,24 +89,24 @@ inline constexpr Topic careful_params{
     .sample_bytes = sizeof(CounterParams),
     .subscriber_count = 0,
     .thinned_count = 0,
-    .slots = 2,
+    .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &careful_params_parts::storage.turns,
 };
 
-// bold_params: CounterParams, depth 1, 2 slots
+// bold_params: CounterParams, depth 1, 1 slot
 namespace bold_params_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[2];
-    alignas(CounterParams) uint8_t samples[2 * sizeof(CounterParams)];
+    alignas(CounterParams) uint8_t samples[1 * sizeof(CounterParams)];
+    TurnState turns;
 };
 extern Storage storage;
 }  // namespace bold_params_parts
 inline constexpr Topic bold_params{
-    .state = &bold_params_parts::storage.state,
+    .state = nullptr,
     .samples = bold_params_parts::storage.samples,
-    .number = bold_params_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
@@ -113,9 +114,10 @@ inline constexpr Topic bold_params{
     .sample_bytes = sizeof(CounterParams),
     .subscriber_count = 0,
     .thinned_count = 0,
-    .slots = 2,
+    .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &bold_params_parts::storage.turns,
 };
 
 }  // namespace stator::topics

@@ -10,9 +10,6 @@ constinit counter_params_parts::Storage counter_params_parts::storage{};
 
 // Not by initialisers: then all samples would have an image in flash.
 void prepare() {
-    count_parts::storage.state.free.store(all_slots(1));
-    parameter_request_parts::storage.state.free.store(all_slots(1));
-    parameter_value_parts::storage.state.free.store(all_slots(1));
     counter_params_parts::storage.state.free.store(all_slots(2));
 }
 

@@ -14,19 +14,18 @@ namespace stator::topics {
 // Before anything is published.
 void prepare();
 
-// count: Count, depth 1, 1 slots
+// count: Count, depth 1, 1 slot
 namespace count_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[1];
     alignas(Count) uint8_t samples[1 * sizeof(Count)];
+    TurnState turns;
 };
 extern Storage storage;
 }  // namespace count_parts
 inline constexpr Topic count{
-    .state = &count_parts::storage.state,
+    .state = nullptr,
     .samples = count_parts::storage.samples,
-    .number = count_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
@@ -37,22 +36,22 @@ inline constexpr Topic count{
     .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &count_parts::storage.turns,
 };
 
-// parameter_request: ParameterRequest, depth 1, 1 slots
+// parameter_request: ParameterRequest, depth 1, 1 slot
 namespace parameter_request_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[1];
     alignas(ParameterRequest) uint8_t samples[1 * sizeof(ParameterRequest)];
+    TurnState turns;
 };
 extern Storage storage;
 inline constexpr Pend subscribers[] = {{0, 0x4}};
 }  // namespace parameter_request_parts
 inline constexpr Topic parameter_request{
-    .state = &parameter_request_parts::storage.state,
+    .state = nullptr,
     .samples = parameter_request_parts::storage.samples,
-    .number = parameter_request_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = parameter_request_parts::subscribers,
     .thinned = nullptr,
@@ -63,21 +62,22 @@ inline constexpr Topic parameter_request{
     .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &parameter_request_parts::storage.turns,
+    .newest = &parameter_request_parts::storage.turns.newest,
 };
 
-// parameter_value: ParameterValue, depth 1, 1 slots
+// parameter_value: ParameterValue, depth 1, 1 slot
 namespace parameter_value_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[1];
     alignas(ParameterValue) uint8_t samples[1 * sizeof(ParameterValue)];
+    TurnState turns;
 };
 extern Storage storage;
 }  // namespace parameter_value_parts
 inline constexpr Topic parameter_value{
-    .state = &parameter_value_parts::storage.state,
+    .state = nullptr,
     .samples = parameter_value_parts::storage.samples,
-    .number = parameter_value_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
@@ -88,14 +88,15 @@ inline constexpr Topic parameter_value{
     .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &parameter_value_parts::storage.turns,
 };
 
 // counter_params: CounterParams, depth 1, 2 slots
 namespace counter_params_parts {
 struct Storage {
+    alignas(CounterParams) uint8_t samples[2 * sizeof(CounterParams)];
     TopicState state;
     Shared<uint32_t> number[2];
-    alignas(CounterParams) uint8_t samples[2 * sizeof(CounterParams)];
 };
 extern Storage storage;
 }  // namespace counter_params_parts

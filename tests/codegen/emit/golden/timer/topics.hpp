@@ -12,19 +12,18 @@ namespace stator::topics {
 // Before anything is published.
 void prepare();
 
-// count: Count, depth 1, 1 slots
+// count: Count, depth 1, 1 slot
 namespace count_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[1];
     alignas(Count) uint8_t samples[1 * sizeof(Count)];
+    TurnState turns;
 };
 extern Storage storage;
 }  // namespace count_parts
 inline constexpr Topic count{
-    .state = &count_parts::storage.state,
+    .state = nullptr,
     .samples = count_parts::storage.samples,
-    .number = count_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
@@ -35,21 +34,21 @@ inline constexpr Topic count{
     .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &count_parts::storage.turns,
 };
 
-// counter_params: CounterParams, depth 1, 2 slots
+// counter_params: CounterParams, depth 1, 1 slot
 namespace counter_params_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[2];
-    alignas(CounterParams) uint8_t samples[2 * sizeof(CounterParams)];
+    alignas(CounterParams) uint8_t samples[1 * sizeof(CounterParams)];
+    TurnState turns;
 };
 extern Storage storage;
 }  // namespace counter_params_parts
 inline constexpr Topic counter_params{
-    .state = &counter_params_parts::storage.state,
+    .state = nullptr,
     .samples = counter_params_parts::storage.samples,
-    .number = counter_params_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
@@ -57,9 +56,10 @@ inline constexpr Topic counter_params{
     .sample_bytes = sizeof(CounterParams),
     .subscriber_count = 0,
     .thinned_count = 0,
-    .slots = 2,
+    .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &counter_params_parts::storage.turns,
 };
 
 }  // namespace stator::topics

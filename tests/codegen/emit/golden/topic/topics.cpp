@@ -11,11 +11,6 @@ constinit slow_params_parts::Storage slow_params_parts::storage{};
 
 // Not by initialisers: then all samples would have an image in flash.
 void prepare() {
-    fast_count_parts::storage.state.free.store(all_slots(1));
-    slow_count_parts::storage.state.free.store(all_slots(2));
-    sum_parts::storage.state.free.store(all_slots(1));
-    fast_params_parts::storage.state.free.store(all_slots(2));
-    slow_params_parts::storage.state.free.store(all_slots(2));
 }
 
 }  // namespace stator::topics

@@ -12,20 +12,19 @@ namespace stator::topics {
 // Before anything is published.
 void prepare();
 
-// fast_count: Count, depth 1, 1 slots
+// fast_count: Count, depth 1, 1 slot
 namespace fast_count_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[1];
     alignas(Count) uint8_t samples[1 * sizeof(Count)];
+    TurnState turns;
 };
 extern Storage storage;
 inline constexpr Pend subscribers[] = {{0, 0x2}};
 }  // namespace fast_count_parts
 inline constexpr Topic fast_count{
-    .state = &fast_count_parts::storage.state,
+    .state = nullptr,
     .samples = fast_count_parts::storage.samples,
-    .number = fast_count_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = fast_count_parts::subscribers,
     .thinned = nullptr,
@@ -36,21 +35,22 @@ inline constexpr Topic fast_count{
     .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &fast_count_parts::storage.turns,
+    .newest = &fast_count_parts::storage.turns.newest,
 };
 
 // slow_count: Count, depth 1, 2 slots
 namespace slow_count_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[2];
     alignas(Count) uint8_t samples[2 * sizeof(Count)];
+    TurnState turns;
 };
 extern Storage storage;
 }  // namespace slow_count_parts
 inline constexpr Topic slow_count{
-    .state = &slow_count_parts::storage.state,
+    .state = nullptr,
     .samples = slow_count_parts::storage.samples,
-    .number = slow_count_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
@@ -61,21 +61,21 @@ inline constexpr Topic slow_count{
     .slots = 2,
     .depth = 1,
     .ceiling = 0,
+    .turns = &slow_count_parts::storage.turns,
 };
 
-// sum: Count, depth 1, 1 slots
+// sum: Count, depth 1, 1 slot
 namespace sum_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[1];
     alignas(Count) uint8_t samples[1 * sizeof(Count)];
+    TurnState turns;
 };
 extern Storage storage;
 }  // namespace sum_parts
 inline constexpr Topic sum{
-    .state = &sum_parts::storage.state,
+    .state = nullptr,
     .samples = sum_parts::storage.samples,
-    .number = sum_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
@@ -86,21 +86,21 @@ inline constexpr Topic sum{
     .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &sum_parts::storage.turns,
 };
 
-// fast_params: CounterParams, depth 1, 2 slots
+// fast_params: CounterParams, depth 1, 1 slot
 namespace fast_params_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[2];
-    alignas(CounterParams) uint8_t samples[2 * sizeof(CounterParams)];
+    alignas(CounterParams) uint8_t samples[1 * sizeof(CounterParams)];
+    TurnState turns;
 };
 extern Storage storage;
 }  // namespace fast_params_parts
 inline constexpr Topic fast_params{
-    .state = &fast_params_parts::storage.state,
+    .state = nullptr,
     .samples = fast_params_parts::storage.samples,
-    .number = fast_params_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
@@ -108,24 +108,24 @@ inline constexpr Topic fast_params{
     .sample_bytes = sizeof(CounterParams),
     .subscriber_count = 0,
     .thinned_count = 0,
-    .slots = 2,
+    .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &fast_params_parts::storage.turns,
 };
 
-// slow_params: CounterParams, depth 1, 2 slots
+// slow_params: CounterParams, depth 1, 1 slot
 namespace slow_params_parts {
 struct Storage {
-    TopicState state;
-    Shared<uint32_t> number[2];
-    alignas(CounterParams) uint8_t samples[2 * sizeof(CounterParams)];
+    alignas(CounterParams) uint8_t samples[1 * sizeof(CounterParams)];
+    TurnState turns;
 };
 extern Storage storage;
 }  // namespace slow_params_parts
 inline constexpr Topic slow_params{
-    .state = &slow_params_parts::storage.state,
+    .state = nullptr,
     .samples = slow_params_parts::storage.samples,
-    .number = slow_params_parts::storage.number,
+    .number = nullptr,
     .ring = nullptr,
     .subscribers = nullptr,
     .thinned = nullptr,
@@ -133,9 +133,10 @@ inline constexpr Topic slow_params{
     .sample_bytes = sizeof(CounterParams),
     .subscriber_count = 0,
     .thinned_count = 0,
-    .slots = 2,
+    .slots = 1,
     .depth = 1,
     .ceiling = 0,
+    .turns = &slow_params_parts::storage.turns,
 };
 
 }  // namespace stator::topics

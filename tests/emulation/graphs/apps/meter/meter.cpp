@@ -13,8 +13,12 @@ constexpr uint32_t kUncounted = 20;  // until `other` has published
 // A reading of the counter stands at each end of a way; one of them is counted.
 constexpr uint32_t kReading = 1;
 
+// What stands before it is done, and what stands behind it is not begun.
 [[gnu::always_inline]] inline uint32_t now() {
-    return counting::kCount.read();
+    asm volatile("" ::: "memory");
+    const uint32_t count = counting::kCount.read();
+    asm volatile("" ::: "memory");
+    return count;
 }
 uint32_t at(counting::Place place) {
     return counting::reached[static_cast<unsigned>(place)];
@@ -23,7 +27,14 @@ void pend(unsigned vector) {
     nvic::set_pending(vector / 32).write(1U << vector % 32);
 }
 
-void publish_by_hand(uint64_t time_us, uint32_t value) {
+// Alike for every vector.
+[[gnu::noipa]] uint32_t read_and_pend(unsigned vector) {
+    const uint32_t begin = now();
+    pend(vector);
+    return begin;
+}
+
+[[gnu::always_inline]] inline void publish_by_hand(uint64_t time_us, uint32_t value) {
     counting::WrittenByHand& topic = counting::written_by_hand;
     const uint32_t next = topic.newest.load() ^ 1U;
     topic.slots[next] = {.timestamp = time_us,
@@ -54,6 +65,10 @@ void Meter::step(MeterPorts& ports) {
     note(kPublishToStep, at(Place::kStep) - begin - kReading);
 
     begin = now();
+    ports.both.publish(block);
+    note(kPublishToStepOfBoth, at(Place::kStep) - begin - kReading);
+
+    begin = now();
     ports.quiet.publish(block);
     note(kPublish, now() - begin - kReading);
 
@@ -66,13 +81,11 @@ void Meter::step(MeterPorts& ports) {
     publish_by_hand(time_us, value);
     note(kWrittenByHand, now() - begin - kReading);
 
-    // What pending takes is not the entry's.
-    begin = now();
-    pend(counting::kEmptyVector);
-    const uint32_t empty = at(Place::kEmpty) - begin;
-    begin = now();
-    pend(counting::kProbeVector);
-    note(kInterruptToDriver, at(Place::kDriver) - begin - empty);
+    // Until a handler is entered: the same instructions for both.
+    begin = read_and_pend(counting::kEntryVector);
+    const uint32_t entered = at(Place::kEntry) - begin;
+    begin = read_and_pend(counting::kProbeVector);
+    note(kInterruptToDriver, at(Place::kDriver) - begin - entered);
 
     begin = now();
     ports.first.publish(block);

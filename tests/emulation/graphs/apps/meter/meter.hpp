@@ -20,6 +20,7 @@ class Meter {
     };
     enum Way : unsigned {
         kPublishToStep,
+        kPublishToStepOfBoth,
         kPublish,
         kWrittenByHandToHandler,
         kWrittenByHand,

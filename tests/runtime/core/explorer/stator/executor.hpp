@@ -2,6 +2,8 @@
 // explorer which more urgent jobs run first.
 #pragma once
 
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 
 namespace stator {
@@ -28,17 +30,26 @@ class Word {
     explicit constexpr Word(Value value) : value_(value) {}
     Value load() const {
         pass_point();
-        note_load(this, value_);
+        note_load(this, bits());
         return value_;
     }
     void store(Value value) {
         pass_point();
         value_ = value;
-        note_store(this, value);
+        note_store(this, bits());
     }
     Value peek() const { return value_; }
 
   private:
+    // Pointers lie within a topic, so their lower halves differ.
+    uint32_t bits() const {
+        if constexpr (sizeof(Value) <= sizeof(uint32_t)) {
+            return value_;
+        } else {
+            return static_cast<uint32_t>(std::bit_cast<uintptr_t>(value_));
+        }
+    }
+
     Value value_{};
 };
 
@@ -48,6 +59,10 @@ template <class Value>
 class Shared;
 template <>
 class Shared<uint32_t> : public explorer::Word<uint32_t> {
+    using Word::Word;
+};
+template <>
+class Shared<const std::byte*> : public explorer::Word<const std::byte*> {
     using Word::Word;
 };
 template <>

@@ -18,11 +18,9 @@ void run() {
     Activation activation(1, state.counters);
     apps::adder::AdderPorts ports;
     bool is_due = false;
-    ports.count.take_latest(topics::count, state.count_number, 0, kNoAgeLimit, false);
-    if (ports.count) {
-        is_due = true;
-        state.now_us = later(state.now_us, ports.count->timestamp);
-    }
+    ports.count.take_woken(topics::count, state.count_number);
+    is_due = true;
+    state.now_us = later(state.now_us, ports.count->timestamp);
     if (!is_due) return;  // an earlier activation has served what pended this one
     ports.now = state.now_us;
     node.step(ports);

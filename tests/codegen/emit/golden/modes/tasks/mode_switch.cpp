@@ -24,10 +24,11 @@ void run() {
         ports.now = nominal_time_us(state.every_0, 100000, 0);
     }
     if (!is_due) return;  // an earlier activation has served what pended this one
-    ports.mode.connect(topics::mode, ports.now, false);
+    ports.mode.connect(topics::mode, ports.now, false, 1);
     node.step(ports);
     add_to_counter(state.counters.activations, 1);
     activation.finish();
+    count_refused(state.counters, "mode_switch.mode", ports.mode.refused());
     modes::follow();
 }
 

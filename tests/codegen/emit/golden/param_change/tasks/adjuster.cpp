@@ -25,10 +25,11 @@ void run() {
     }
     if (!is_due) return;  // an earlier activation has served what pended this one
     ports.answer.take_latest(topics::parameter_value, state.answer_number, ports.now, kNoAgeLimit, false);
-    ports.request.connect(topics::parameter_request, ports.now, false);
+    ports.request.connect(topics::parameter_request, ports.now, false, 1);
     node.step(ports);
     add_to_counter(state.counters.activations, 1);
     activation.finish();
+    count_refused(state.counters, "adjuster.request", ports.request.refused());
 }
 
 }  // namespace stator::tasks::adjuster

@@ -18,18 +18,17 @@ void run() {
     Activation activation(2, state.counters);
     apps::parameters::ParametersPorts ports;
     bool is_due = false;
-    ports.request.take_latest(topics::parameter_request, state.request_number, 0, kNoAgeLimit, false);
-    if (ports.request) {
-        is_due = true;
-        ports.now = ports.request->timestamp;
-    }
+    ports.request.take_woken(topics::parameter_request, state.request_number);
+    is_due = true;
+    ports.now = ports.request->timestamp;
     if (!is_due) return;  // an earlier activation has served what pended this one
-    ports.value.connect(topics::parameter_value, ports.now, false);
+    ports.value.connect(topics::parameter_value, ports.now, false, 1);
     ports.parameters.connect(parameter_table, ports.now);
     node.step(ports);
     add_to_counter(state.counters.activations, 1);
     activation.finish();
     add_to_counter(state.counters.lost_samples, ports.request.lost());
+    count_refused(state.counters, "parameters.value", ports.value.refused());
 }
 
 }  // namespace stator::tasks::parameters

@@ -25,10 +25,11 @@ void run() {
     }
     if (!is_due) return;  // an earlier activation has served what pended this one
     ports.params.take_latest(topics::counter_params, state.params_number, ports.now, kNoAgeLimit, false);
-    ports.count.connect(topics::count, ports.now, false);
+    ports.count.connect(topics::count, ports.now, false, 1);
     node.step(ports);
     add_to_counter(state.counters.activations, 1);
     activation.finish();
+    count_refused(state.counters, "counter.count", ports.count.refused());
 }
 
 }  // namespace stator::tasks::counter

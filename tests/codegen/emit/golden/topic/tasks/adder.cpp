@@ -18,18 +18,17 @@ void run() {
     Activation activation(1, state.counters);
     apps::adder::AdderPorts ports;
     bool is_due = false;
-    ports.count.take_latest(topics::fast_count, state.count_number, 0, kNoAgeLimit, false);
-    if (ports.count) {
-        is_due = true;
-        ports.now = ports.count->timestamp;
-    }
+    ports.count.take_woken(topics::fast_count, state.count_number);
+    is_due = true;
+    ports.now = ports.count->timestamp;
     if (!is_due) return;  // an earlier activation has served what pended this one
     ports.extra.take_latest(topics::slow_count, state.extra_number, ports.now, 50000, false);
-    ports.sum.connect(topics::sum, ports.now, false);
+    ports.sum.connect(topics::sum, ports.now, false, 1);
     node.step(ports);
     add_to_counter(state.counters.activations, 1);
     activation.finish();
     add_to_counter(state.counters.lost_samples, ports.count.lost());
+    count_refused(state.counters, "adder.sum", ports.sum.refused());
 }
 
 }  // namespace stator::tasks::adder

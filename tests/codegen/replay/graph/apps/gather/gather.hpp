@@ -21,6 +21,7 @@ class Gather {
         // Not a number with a sign and a payload, which a recording makes canonical.
         ports.sum.publish(
             [] { return Reading{.value = -std::numeric_limits<float>::signaling_NaN()}; });
+        ports.sum.publish([] { return Reading{.value = 1.0F}; });  // refused: one too many
     }
 
   private:

@@ -14,7 +14,7 @@ class ProbeCounted {
 
     explicit ProbeCounted(Device& device) : device_(device) {}
     void step(ProbePorts& ports) {
-        counting::reach(counting::Place::kDriver, &device_);
+        counting::reach_exactly(counting::Place::kDriver);
         const uint32_t value = device_.value;
         ports.event.publish([&] {
             return Block{.values = {value, value, value, value, value, value}};
