@@ -68,7 +68,8 @@ bool hears_pilot(const AttitudeControlPorts& ports) {
 // Least at the lower end, hover in the middle, most at the upper end.
 float thrust_of(float throttle, const AttitudeControlParams& params) {
     const float t = math::clamp(throttle, -1.0F, 1.0F);
-    const float beyond = t < 0.0F ? params.stick_hover : params.stick_most - params.stick_hover;
+    const float beyond =
+        t < 0.0F ? params.stick_hover - params.stick_least : params.stick_most - params.stick_hover;
     return params.stick_hover + t * beyond;
 }
 

@@ -26,6 +26,14 @@ bool knows_position(const CommanderPorts& ports) {
            math::is_finite(ports.position->x + ports.position->y + ports.position->heading);
 }
 
+bool sensors_agree(const CommanderPorts& ports) {
+    if (!ports.estimator) return true;
+    const EstimatorStatus& e = *ports.estimator;
+    const float most = math::max(math::max(e.vel_test_ratio, e.pos_test_ratio),
+                                 math::max(e.hgt_test_ratio, e.mag_test_ratio));
+    return most < ports.params->test_ratio;
+}
+
 bool hears_pilot(const CommanderPorts& ports) {
     return ports.sticks && ports.sticks->valid;
 }
@@ -59,8 +67,9 @@ void Commander::take_health(const CommanderPorts& ports, float dt) {
     using Warning = BatteryStatus::Warning;
     HealthReport& h = health_;
     h.sensors_ok = ports.gyro && ports.mag && ports.baro && ports.gnss;
-    h.estimator_ok = estimate_holds_.update(knows_height(ports) && knows_position(ports), dt,
-                                            ports.params->settle_time);
+    h.estimator_ok =
+        estimate_holds_.update(knows_height(ports) && knows_position(ports) && sensors_agree(ports),
+                               dt, ports.params->settle_time);
     h.battery_ok =
         ports.battery && ports.battery->connected && ports.battery->warning == Warning::kNone;
     h.motors_ok = hears_motors(ports);
@@ -71,6 +80,20 @@ void Commander::take_health(const CommanderPorts& ports, float dt) {
                 h.logging_ok && h.mission_ok;
 }
 
+// Before the first take-off it is on the ground; then only after it has landed for a while.
+void Commander::take_place(const CommanderPorts& ports, float dt) {
+    const bool landed = ports.land && ports.land->landed;
+    if (is_armed_ && ports.land && !landed) has_flown_ = true;
+    const bool is_down = is_down_.update(landed, dt, ports.params->landed_time);
+    is_on_ground_ = !is_armed_ || (landed && !has_flown_) || is_down;
+    if (knows_height(ports)) {
+        height_ = home_.z - ports.position->z;
+        blind_for_s_ = 0.0F;
+    } else if (mode_ == Nav::kDescend) {
+        blind_for_s_ += dt;
+    }
+}
+
 void Commander::take_events(const CommanderPorts& ports, float dt) {
     using Warning = BatteryStatus::Warning;
     const CommanderParams& params = *ports.params;
@@ -79,6 +102,9 @@ void Commander::take_events(const CommanderPorts& ports, float dt) {
     const auto set = [this](FailsafeEvent event, bool is_on) {
         events_ = is_on ? events_ | bit(event) : events_ & ~bit(event);
     };
+    set(FailsafeEvent::kCrashed, ports.land && ports.land->crashed);
+    set(FailsafeEvent::kCannotFollow,
+        ports.progress && ports.progress->lags_for >= params.lag_limit);
     set(FailsafeEvent::kEstimatorInvalid,
         height_is_gone_.update(!knows_height(ports), dt, params.position_timeout));
     set(FailsafeEvent::kPositionLost,
@@ -94,7 +120,8 @@ void Commander::take_events(const CommanderPorts& ports, float dt) {
 }
 
 void Commander::choose(Nav mode) {
-    if (!goes_on(mode, events_)) return;
+    // From the ground a return would first climb.
+    if (!goes_on(mode, events_) || (mode == Nav::kReturn && is_on_ground_)) return;
     mode_ = mode;
     failsafe_ = VehicleStatus::FailsafeEvent::kNone;
 }
@@ -108,7 +135,8 @@ void Commander::arm(const CommanderPorts& ports) {
     home_ = {.x = p.x, .y = p.y, .z = p.z, .yaw = p.heading, .valid_lpos = true};
     stands_.reset();
     idles_.reset();
-    descends_.reset();
+    is_down_.reset();
+    blind_for_s_ = 0.0F;
 }
 
 void Commander::disarm() {
@@ -152,7 +180,6 @@ void Commander::take_arm_switch(const CommanderPorts& ports, float dt) {
 }
 
 void Commander::fly(const CommanderPorts& ports, float dt) {
-    if (ports.land && !ports.land->landed) has_flown_ = true;
     const bool is_over = ports.result && ports.result->finished &&
                          ports.result->nav_state == static_cast<uint8_t>(mode_);
     if (is_over) {
@@ -160,10 +187,18 @@ void Commander::fly(const CommanderPorts& ports, float dt) {
         choose(static_cast<Nav>(ports.result->next_nav_state));
         failsafe_ = reason;
     }
-    const Fallback fallback = fall_back(mode_, events_);
-    if (fallback.reason != VehicleStatus::FailsafeEvent::kNone) {
-        mode_ = fallback.mode;
-        failsafe_ = fallback.reason;
+    if (is_on_ground_) {
+        const auto reason = disarming(mode_, events_);
+        if (reason != VehicleStatus::FailsafeEvent::kNone) {
+            failsafe_ = reason;
+            return disarm();
+        }
+    } else {
+        const Fallback fallback = fall_back(mode_, events_);
+        if (fallback.reason != VehicleStatus::FailsafeEvent::kNone) {
+            mode_ = fallback.mode;
+            failsafe_ = fallback.reason;
+        }
     }
     disarm_where_due(ports, dt);
 }
@@ -175,16 +210,15 @@ void Commander::disarm_where_due(const CommanderPorts& ports, float dt) {
     const bool has_landed =
         stands_.update(landed && has_flown_ && comes_down, dt, params.disarm_after);
     const bool waits_in_vain = idles_.update(landed, dt, params.idle_limit);
-    const bool is_down_by_now = descends_.update(mode_ == Nav::kDescend, dt, params.blind_limit);
-    // Before the take-off a failsafe has nothing to save.
-    const bool not_worth_starting =
-        landed && !has_flown_ && failsafe_ != VehicleStatus::FailsafeEvent::kNone;
-    if (has_landed || waits_in_vain || is_down_by_now || not_worth_starting) disarm();
+    const float blind_limit = params.blind_margin + math::max(height_, 0.0F) / params.blind_sink;
+    const bool is_down_by_now = blind_for_s_ >= blind_limit;
+    if (has_landed || waits_in_vain || is_down_by_now || mode_ == Nav::kTermination) disarm();
 }
 
 void Commander::step(CommanderPorts& ports) {
     const float dt = seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
     take_health(ports, dt);
+    take_place(ports, dt);
     take_events(ports, dt);
     take_wish(ports, dt);
     if (is_armed_) fly(ports, dt);

@@ -11,7 +11,8 @@ namespace stator::apps::commander {
 
 // Runs at a fixed period. An input that is absent counts against arming, and in flight as lost. A
 // mode switch counts when it moves, and only if the failsafe table lets that mode go on. After a
-// failsafe nothing returns by itself to the mode before.
+// failsafe nothing returns by itself to the mode before. On the ground a failsafe only disarms, and
+// a return is refused: nothing but the pilot's stick or a mission leaves the ground.
 class Commander {
   public:
     void step(CommanderPorts& ports);
@@ -20,6 +21,7 @@ class Commander {
     using Nav = VehicleStatus::NavState;
 
     void take_health(const CommanderPorts& ports, float dt);
+    void take_place(const CommanderPorts& ports, float dt);
     void take_events(const CommanderPorts& ports, float dt);
     void take_wish(const CommanderPorts& ports, float dt);
     void take_arm_switch(const CommanderPorts& ports, float dt);
@@ -31,13 +33,17 @@ class Commander {
 
     HealthReport health_{};
     Hysteresis estimate_holds_;
+    Hysteresis is_down_;
     Hysteresis height_is_gone_;
     Hysteresis position_is_gone_;
     Hysteresis pilot_is_gone_;
     Events events_ = 0;
 
     bool is_armed_ = false;
-    bool has_flown_ = false;  // since it was armed last
+    bool has_flown_ = false;    // since it was armed last
+    bool is_on_ground_ = true;  // for certain
+    float height_ = 0.0F;       // above home, when it was known last
+    float blind_for_s_ = 0.0F;
     Nav mode_ = Nav::kHold;
     Nav wish_ = Nav::kHold;  // of the mode switch
     VehicleStatus::FailsafeEvent failsafe_ = VehicleStatus::FailsafeEvent::kNone;
@@ -50,7 +56,6 @@ class Commander {
     Hysteresis kill_holds_;
     Hysteresis stands_;
     Hysteresis idles_;
-    Hysteresis descends_;
     uint64_t last_us_ = 0;
 };
 

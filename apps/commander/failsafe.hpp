@@ -29,6 +29,16 @@ constexpr Fallback fall_back(VehicleStatus::NavState mode, Events events) {
     return {mode, VehicleStatus::FailsafeEvent::kNone};
 }
 
+// On the ground: the most urgent of the events that disarm.
+constexpr VehicleStatus::FailsafeEvent disarming(VehicleStatus::NavState mode, Events events) {
+    for (unsigned event = 0; event < kFailsafeEvents; ++event) {
+        if ((events >> event & 1U) == 0) continue;
+        if (disarms(mode, static_cast<FailsafeEvent>(event)))
+            return static_cast<VehicleStatus::FailsafeEvent>(event + 1);
+    }
+    return VehicleStatus::FailsafeEvent::kNone;
+}
+
 constexpr bool goes_on(VehicleStatus::NavState mode, Events events) {
     return fall_back(mode, events).reason == VehicleStatus::FailsafeEvent::kNone;
 }

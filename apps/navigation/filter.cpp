@@ -14,6 +14,10 @@ constexpr float kGap = 0.1F;       // s
 constexpr float kGapRate = 0.1F;   // rad/s
 constexpr float kGapForce = 1.0F;  // m/s^2
 
+// What an accelerometer in doubt may be wrong by, and for how long the same way.
+constexpr float kDoubtfulForce = 10.0F;  // m/s^2
+constexpr float kDoubtTime = 0.2F;       // s
+
 // Below, the force along the ground is noise and the tilt's error, and says nothing of the heading:
 // taken for true it would make the filter sure of a heading that was never measured.
 constexpr float kTellingForce = 0.5F;  // m/s^2
@@ -65,6 +69,12 @@ bool Filter::is_finite() const {
     return math::is_finite(sum);
 }
 
+bool Filter::has_impossible_bias() const {
+    constexpr float kNearly = 0.95F;
+    return bias_.accel.cwiseAbs().maxCoeff() > kNearly * kLargestAccelBias ||
+           bias_.gyro.cwiseAbs().maxCoeff() > kNearly * kLargestGyroBias;
+}
+
 void Filter::start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance,
                    float heading_variance, const NavigationParams& params) {
     *this = Filter();
@@ -81,7 +91,7 @@ void Filter::start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance
     covariance_.limit();
 }
 
-void Filter::predict(const MotionWindow::Step& step, const NavigationParams& params) {
+void Filter::predict(const MotionWindow::Step& step, const NavigationParams& params, bool doubts) {
     Motion motion = step.motion;
     const float time = motion.time;
     // What the bias changed by since it was taken off.
@@ -95,6 +105,7 @@ void Filter::predict(const MotionWindow::Step& step, const NavigationParams& par
     if (level_force_N_.squaredNorm() < math::square(kTellingForce)) seen_push_N.head<2>().setZero();
     Covariance::Noise noise = noise_of(time, params);
     noise.velocity += second_order(seen_push_N, time, variance(kHeading));
+    if (doubts) noise.velocity += math::square(kDoubtfulForce) * kDoubtTime * time;
     covariance_.predict(R_NB, seen_push_N, time, noise);
     covariance_.limit();
     kinematics_ = moved(kinematics_, motion);
@@ -163,6 +174,15 @@ void Filter::align_heading(float error, float noise_variance, float offset_varia
     covariance_.reset(kMagOffset, 1, 0.0F);
     covariance_.loosen(kHeading, kMagOffset, offset_variance);
     covariance_.limit();
+}
+
+void Filter::forget_inertial_errors() {
+    constexpr float kTilt = 0.05F;      // rad
+    constexpr float kGyroBias = 0.03F;  // rad/s
+    constexpr float kAccelBias = 0.5F;  // m/s^2
+    covariance_.reset(kTurn, 2, math::square(kTilt));
+    covariance_.reset(ErrorState::kGyroBias, 3, math::square(kGyroBias));
+    covariance_.reset(ErrorState::kAccelBias, 3, math::square(kAccelBias));
 }
 
 void Filter::shift_mag_offset(float change, float variance) {

@@ -38,11 +38,16 @@ class Filter {
     const Vector& acceleration_N() const { return acceleration_N_; }
     float heading_rate() const { return heading_rate_; }
     bool is_finite() const;
+    // A bias has reached what no sensor in order has: something else is wrong, and the tilt with
+    // it.
+    bool has_impossible_bias() const;
 
     // At rest at the origin, with this attitude and this uncertainty of its tilt.
     void start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance,
                float heading_variance, const NavigationParams& params);
-    void predict(const MotionWindow::Step& step, const NavigationParams& params);
+    // `doubts`: the accelerometer may be wrong by anything.
+    void predict(const MotionWindow::Step& step, const NavigationParams& params,
+                 bool doubts = false);
     // Fuses one scalar whose innovation and noise variance these are, if it passes the gate.
     Fusion fuse(const ObservationModel& model, float innovation, float variance, float gate,
                 bool keep_tilt = false);
@@ -54,6 +59,8 @@ class Filter {
     void set_down(float down, float variance);
     // Turns by the error that the magnetometer shows, which is known as well as its offset.
     void align_heading(float error, float noise_variance, float offset_variance);
+    // Something was wrong with the inertial sensors: tilt and biases may be, too.
+    void forget_inertial_errors();
     void shift_mag_offset(float change, float variance);
     // Trusts neither the heading nor the magnetometer's offset any more, only their sum.
     void inflate_heading_variance(float variance) {

@@ -58,6 +58,61 @@ class DelayedMeasurements {
     unsigned count_ = 0;
 };
 
+// How fast the barometer's height changes: the slope of a line through its last samples.
+class BaroRate {
+  public:
+    void add(uint64_t time_us, float height) {
+        if (time_us <= newest_us_ || time_us - newest_us_ > kLongestGap_us) count_ = 0;
+        newest_us_ = time_us;
+        if (count_ == kSamples) {
+            for (unsigned i = 1; i < kSamples; ++i) samples_[i - 1] = samples_[i];
+            --count_;
+        }
+        samples_[count_++] = {time_us, height};
+    }
+    bool known() const { return count_ == kSamples; }
+    // Up, m/s, in the middle of the last samples.
+    float value() const {
+        float t = 0.0F, h = 0.0F, tt = 0.0F, th = 0.0F;
+        for (const Sample& sample : samples_) {
+            const float time = static_cast<float>(sample.time_us - samples_[0].time_us) * 1e-6F;
+            const float height = sample.height - samples_[0].height;
+            t += time;
+            h += height;
+            tt += time * time;
+            th += time * height;
+        }
+        constexpr auto kN = static_cast<float>(kSamples);
+        return (kN * th - t * h) / (kN * tt - t * t);
+    }
+
+  private:
+    static constexpr unsigned kSamples = 8;  // 0.3 s
+    static constexpr uint64_t kLongestGap_us = 200'000;
+    struct Sample {
+        uint64_t time_us = 0;
+        float height = 0.0F;
+    };
+    std::array<Sample, kSamples> samples_{};
+    uint64_t newest_us_ = 0;
+    unsigned count_ = 0;
+};
+
+// Whether a sensor gives the same sample again and again: a live one has noise.
+class Frozen {
+  public:
+    // Of one sample, any number that changes with each of its values. True after `most` equal ones.
+    bool update(float value, unsigned most) {
+        count_ = value == value_ ? (count_ < most ? count_ + 1 : most) : 0;
+        value_ = value;
+        return count_ >= most;
+    }
+
+  private:
+    float value_ = 0.0F;
+    unsigned count_ = 0;
+};
+
 // Whether a kind of measurement is believed.
 class Aid {
   public:
@@ -78,6 +133,11 @@ class Aid {
         if (!refusing_) refused_us_ = time_us;
         refusing_ = true;
         return static_cast<float>(time_us - refused_us_) * 1e-6F > timeout;
+    }
+    // For how long all were left out.
+    float refused_for(uint64_t now_us) const {
+        if (!refusing_ || now_us < refused_us_) return 0.0F;
+        return static_cast<float>(now_us - refused_us_) * 1e-6F;
     }
     void accept(uint64_t time_us) {
         started_ = true;

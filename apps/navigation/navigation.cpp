@@ -5,6 +5,12 @@ namespace stator::apps::navigation {
 
 namespace {
 
+// A vehicle that stands is not carried so far between two fixes.
+constexpr double kElsewhere = 1000.0;  // m
+// So many equal samples come from a part that is stuck.
+constexpr unsigned kFrozenImu = 100;
+constexpr unsigned kFrozenBaro = 50;
+constexpr unsigned kFrozenGnss = 3;
 // A longer gap between IMU samples cannot be integrated across.
 constexpr float kLongestGap = 2.0F;  // s
 // The magnetometer and the barometer are thinned to this: more costs time and tells little.
@@ -24,6 +30,18 @@ bool is_finite(const Vector& v) {
     return math::is_finite(v.squaredNorm());
 }
 
+// Of the motors that turn.
+float mean_command(const ActuatorMotors& motors) {
+    float sum = 0.0F;
+    float count = 0.0F;
+    for (const float control : motors.control) {
+        if (!math::is_finite(control)) continue;
+        sum += control;
+        count += 1.0F;
+    }
+    return count > 0.0F ? sum / count : 0.0F;
+}
+
 // A variance from what the receiver says of its error.
 float variance_of(float error, float least) {
     return math::square(error > least ? error : least);
@@ -35,11 +53,14 @@ void Navigation::step(NavigationPorts& ports) {
     const NavigationParams& params = *ports.params;
     if (ports.status)
         disarmed_ = ports.status->arming_state == VehicleStatus::ArmingState::kDisarmed;
+    flies_ = ports.land && !ports.land->landed && !disarmed_ && ports.motors;
+    if (ports.motors) command_ = mean_command(*ports.motors);
+    if (disarmed_) disagreement_.jump_N.setZero();
     const bool moved_on = read_imu(ports);
     if (!started_) return;
     while (ports.gnss.next()) read_gnss(*ports.gnss, params);
     const float thrust = ports.thrust ? -ports.thrust->xyz[2] : 0.0F;
-    const float wash = ports.params->baro_wash * (math::is_finite(thrust) ? thrust : 0.0F);
+    const float wash = params.baro_wash * (math::is_finite(thrust) ? thrust : 0.0F);
     while (ports.baro.next()) read_baro(*ports.baro, wash);
     while (ports.mag.next()) read_mag(*ports.mag);
     work(params);
@@ -54,6 +75,8 @@ bool Navigation::read_imu(NavigationPorts& ports) {
     while (ports.gyro.next()) {
         const uint64_t time_us = ports.gyro->timestamp_sample;
         const Vector rate_B = math::vector(ports.gyro->xyz);
+        const float value = rate_B.x() + 2.0F * rate_B.y() + 4.0F * rate_B.z();
+        if (frozen_gyro_.update(value, kFrozenImu) && flies_) continue;
         while (accel_us_ < time_us && ports.accel.next()) {
             const Vector force_B = math::vector(ports.accel->xyz);
             if (!is_finite(force_B)) continue;
@@ -85,6 +108,14 @@ void Navigation::add_imu(uint64_t time_us, const Vector& rate_B, const Navigatio
         return;
     }
     watch_rest(rate, force, dt);
+    if (flies_ && velocity_aid_.refused_for(filter_.time_us()) == 0.0F)
+        proven_s_ = math::min(proven_s_ + dt, kProven_s);
+    // Until then satellites may still find what the compass is wrong by.
+    if (proven_s_ < kProven_s) proven_mag_offset_ = filter_.mag_offset();
+    if (flies_)
+        doubt_.update(command_, -force.z(), dt);
+    else
+        doubt_.reset();
     window_.add(rate, force, dt);
     if (window_.open_time() + 0.5F * dt < params.step_time) return;
     if (window_.full()) predict(params, true);
@@ -99,6 +130,8 @@ void Navigation::start(const NavigationParams& params) {
     alignment_ = Alignment();
     velocity_aid_ = position_aid_ = height_aid_ = heading_aid_ = Aid();
     output_correction_ = OutputCorrection();
+    disagreement_ = Disagreement();
+    proven_s_ = 0.0F;
     gnss_next_ = rest_next_ = 0;
     rest_due_us_ = output_us_ = imu_us_;
     started_ = true;
@@ -116,15 +149,24 @@ void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params)
     const bool is_known = math::is_finite(fix.latitude_deg) && math::is_finite(fix.longitude_deg) &&
                           math::is_finite(fix.altitude_msl_m);
     const Vector velocity_N(fix.vel_n_m_s, fix.vel_e_m_s, fix.vel_d_m_s);
+    // Where a receiver without a position has it.
+    const bool is_nowhere = fix.latitude_deg == 0.0 && fix.longitude_deg == 0.0;
     const bool is_3d = fix.fix_type >= SensorGps::FixType::kFix3d;
-    if (!is_3d || !is_known || !(fix.eph <= kWorstPosition)) return;
+    if (!is_3d || !is_known || is_nowhere || !(fix.eph <= kWorstPosition)) return;
     if (!has_origin_) {
         frame_ = math::LocalFrame({fix.latitude_deg, fix.longitude_deg});
         origin_us_ = fix.timestamp_sample;
         has_origin_ = true;
     }
     const bool has_height = fix.epv <= kWorstPosition;
-    const auto at = frame_.to_local({fix.latitude_deg, fix.longitude_deg});
+    auto at = frame_.to_local({fix.latitude_deg, fix.longitude_deg});
+    if (disarmed_ && math::abs(at.north) + math::abs(at.east) > kElsewhere) {
+        // The first fix was wrong. Nothing has used the origin yet.
+        frame_ = math::LocalFrame({fix.latitude_deg, fix.longitude_deg});
+        origin_us_ = fix.timestamp_sample;
+        position_aid_ = Aid();
+        at = {};
+    }
     const GnssMeasurement measurement{
         .time_us = fix.timestamp_sample,
         .velocity_N = velocity_N,
@@ -136,12 +178,17 @@ void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params)
         .has_velocity =
             fix.vel_ned_valid && is_finite(velocity_N) && fix.s_variance_m_s <= kWorstVelocity,
         .has_height = has_height};
+    const float value = measurement.position_N.x() + 2.0F * measurement.position_N.y() +
+                        4.0F * velocity_N.x() + 8.0F * velocity_N.y();
+    // Some receivers hold what stands; what flies changes.
+    if (frozen_gnss_.update(value, kFrozenGnss) && flies_) return;
     if (!gnss_.push(measurement)) ++late_;
 }
 
 void Navigation::read_baro(const SensorBaro& sample, float wash) {
     const float pressure = sample.pressure - wash;
     if (!(pressure > 0.0F) || !math::is_finite(pressure)) return;
+    if (frozen_baro_.update(sample.pressure, kFrozenBaro) && flies_) return;
     if (sample.timestamp_sample < baro_.newest_us() + kMinInterval_us) return;
     const float ratio = math::pow(pressure / kPressureAtSea, kPressureExponent);
     if (!baro_.push({sample.timestamp_sample, kScaleHeight * (1.0F - ratio)})) ++late_;

@@ -10,6 +10,8 @@
 #pragma once
 
 #include "alignment.hpp"
+#include "disagreement.hpp"
+#include "doubt.hpp"
 #include "filter.hpp"
 #include "measurements.hpp"
 #include "stator/geodesy.hpp"
@@ -41,6 +43,11 @@ class Navigation {
     bool read_imu(NavigationPorts& ports);
     void add_imu(uint64_t time_us, const Vector& rate_B, const NavigationParams& params);
     void start(const NavigationParams& params);
+    void compare(const GnssMeasurement& fix);
+    bool receiver_is_consistent() const;
+    float contradicts_for(uint64_t time_us);
+    bool barometer_drifts() const;
+    void believe_vertical(const GnssMeasurement& fix, float velocity);
     void watch_rest(const Vector& rate_B, const Vector& force_B, float dt);
 
     // The filter: each returns whether it had something to do.
@@ -88,6 +95,8 @@ class Navigation {
     Vector queued_force_B_ = Vector::Zero();
     float rest_s_ = 0.0F;  // for how long it has been still
     bool disarmed_ = false;
+    bool flies_ = false;    // for certain
+    float command_ = 0.0F;  // the motors' mean
 
     // What the fusion goes on with in the next activation.
     unsigned gnss_next_ = 0;
@@ -101,6 +110,25 @@ class Navigation {
     Aid height_aid_;
     Aid heading_aid_;
     float baro_reference_ = 0.0F;  // m, what the barometer says at the origin
+    bool has_baro_reference_ = false;
+    BaroRate baro_rate_;
+    Doubt doubt_;
+    Disagreement disagreement_;
+    // What the receiver's velocity differs by from how its positions change, low-passed.
+    Vector inconsistency_N_ = Vector::Zero();
+    Vector last_fix_N_ = Vector::Zero();
+    uint64_t last_fix_us_ = 0;
+    static constexpr float kProven_s = 5.0F;
+    float proven_s_ = 0.0F;  // of flight in which satellites agreed with the heading
+    float proven_mag_offset_ = 0.0F;
+    float nose_variance() const;   // of the heading, as the output says it
+    uint64_t contradicts_us_ = 0;  // since when; and when last
+    uint64_t contradicted_us_ = 0;
+    bool gnss_height_fits_ = false;
+    bool baro_has_failed_ = false;
+    Frozen frozen_gyro_;
+    Frozen frozen_gnss_;
+    Frozen frozen_baro_;
 
     math::LocalFrame frame_;
     uint64_t origin_us_ = 0;

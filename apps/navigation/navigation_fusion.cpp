@@ -16,6 +16,24 @@ constexpr float kRestVariance = 0.01F;  // m^2/s^2
 constexpr float kFlightVariance = 9.0F;
 // Without the barometer for so long, the receiver's height counts.
 constexpr float kWithoutBaro = 1.0F;  // s
+// Of a receiver's positions and velocities.
+constexpr float kLongestFixGap = 1.0F;     // s
+constexpr float kComparing = 1.0F;         // s
+constexpr float kConsistent = 1.5F;        // m/s
+constexpr float kHeadingSuspected = 1.5F;  // s
+constexpr float kWitnessAgrees = 0.5F;     // m/s
+constexpr float kWitness = 0.5F;           // s of velocities that were left out
+// Parts of an innovation: about 1, 2 and 3 s of fixes, and 1 s of the others.
+constexpr float kFollowVelocity = 0.17F;
+constexpr float kFollowPosition = 0.1F;
+constexpr float kFollowHeight = 0.06F;
+constexpr float kFollowBaro = 0.04F;
+constexpr float kHeightFits = 12.0F;  // m: five sigmas of a receiver's height
+constexpr float kShare = 0.3F;        // of a barometer's jump that the height may have made
+// Vertical velocities of satellites and barometer that agree, and what is left to doubt then.
+constexpr float kAgrees = 1.5F;            // m/s
+constexpr float kDoubtfulVariance = 1.0F;  // m^2/s^2
+constexpr float kDoubtfulHeight = 4.0F;    // m^2
 // The variance that the heading is given when satellites contradict it for long.
 constexpr float kHeadingInflation = 1.0F;  // rad^2
 // The field's level part must show a direction.
@@ -50,7 +68,7 @@ bool Navigation::predict(const NavigationParams& params, bool at_once) {
     if (window_.empty()) return false;
     const float delay = static_cast<float>(imu_us_ - window_.step_end_us()) * 1e-6F;
     if (!at_once && delay < params.fusion_delay) return false;
-    filter_.predict(window_.take(), params);
+    filter_.predict(window_.take(), params, doubt_.now());
     return true;
 }
 
@@ -73,6 +91,7 @@ bool Navigation::fuse_gnss(const NavigationParams& params) {
         return false;
     }
     const GnssMeasurement& fix = gnss_.front();
+    if (gnss_next_ == 0) compare(fix);
     if (gnss_next_ == 0 && !fix.has_velocity) gnss_next_ = 3;
     if (gnss_next_ < 3)
         fuse_velocity(gnss_next_, fix, params);
@@ -88,6 +107,31 @@ bool Navigation::fuse_gnss(const NavigationParams& params) {
     return true;
 }
 
+// A receiver's velocity against how its positions change: two measurements that should agree.
+void Navigation::compare(const GnssMeasurement& fix) {
+    const float dt = static_cast<float>(fix.time_us - last_fix_us_) * 1e-6F;
+    const bool is_next = last_fix_us_ != 0 && dt > 0.0F && dt < kLongestFixGap;
+    if (is_next && fix.has_velocity) {
+        Vector difference = (fix.position_N - last_fix_N_) / dt - fix.velocity_N;
+        difference.z() = 0.0F;  // not measured this way
+        inconsistency_N_ += (difference - inconsistency_N_) * (dt / (kComparing + dt));
+    }
+    last_fix_N_ = fix.position_N;
+    last_fix_us_ = fix.time_us;
+}
+
+bool Navigation::receiver_is_consistent() const {
+    return inconsistency_N_.squaredNorm() < math::square(kConsistent);
+}
+
+// For how long satellites have contradicted the estimate, with short breaks.
+float Navigation::contradicts_for(uint64_t time_us) {
+    constexpr uint64_t kBreak_us = 2'000'000;
+    if (contradicted_us_ == 0 || time_us - contradicted_us_ > kBreak_us) contradicts_us_ = time_us;
+    contradicted_us_ = time_us;
+    return static_cast<float>(time_us - contradicts_us_) * 1e-6F;
+}
+
 void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
                                const NavigationParams& params) {
     const Vector expected =
@@ -96,10 +140,12 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
     const float innovation = difference(axis);
     const Fusion done = filter_.fuse(observation_of(kVelocity + axis), innovation,
                                      fix.velocity_variance, params.gate);
+    Disagreement::follow(disagreement_.velocity_N(axis), innovation, kFollowVelocity);
     ratios_.vel_test_ratio =
         axis == 0 ? done.test_ratio : math::max(ratios_.vel_test_ratio, done.test_ratio);
     if (axis == 2) {
         innovations_.gps_vvel = innovation;
+        if (!done.fused()) believe_vertical(fix, fix.velocity_N.z());
         return;
     }
     innovations_.gps_hvel[axis] = innovation;
@@ -109,13 +155,36 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
     }
     const bool first = !velocity_aid_.started();
     const bool fused = !first && north_fused_ && done.fused();
-    if (!velocity_aid_.note(fused, fix.time_us, params.reset_timeout) && !first) return;
-    // Otherwise the heading is what made them differ, or the receiver.
-    if (!first) filter_.inflate_heading_variance(kHeadingInflation);
+    const bool late = velocity_aid_.note(fused, fix.time_us, params.reset_timeout);
+    // Positions that move as the velocity says are a second witness against the inertial solution.
+    const bool agreed = velocity_aid_.refused_for(fix.time_us) > kWitness &&
+                        inconsistency_N_.squaredNorm() < math::square(kWitnessAgrees) &&
+                        proven_s_ >= kProven_s;
+    if (!late && !agreed && !first) return;
+    if (late && !first && !receiver_is_consistent()) return;  // it contradicts itself
+    // Otherwise the heading is what made them differ, or the inertial sensors.
+    // A glitch of these is over soon; a wrong heading contradicts again and again.
+    if (!first && (contradicts_for(fix.time_us) > kHeadingSuspected || late))
+        filter_.inflate_heading_variance(kHeadingInflation);
+    else if (!first)
+        filter_.forget_inertial_errors();
     filter_.set_horizontal_velocity(fix.velocity_N.head<2>(), fix.velocity_variance);
     velocity_aid_.accept(fix.time_us);
     resets_.delta_vxy = {difference.x(), difference.y()};
     ++resets_.vxy_reset_counter;
+    jumped_ = true;
+}
+
+// Satellites contradict the vertical velocity. If the barometer agrees with them, the inertial
+// solution is what is wrong: two sensors that know nothing of each other are believed at once.
+void Navigation::believe_vertical(const GnssMeasurement& fix, float velocity) {
+    if (!velocity_aid_.started() || !baro_rate_.known()) return;
+    if (math::abs(-baro_rate_.value() - velocity) > kAgrees) return;
+    doubt_.agreed();
+    const float now = velocity + filter_.acceleration_N().z() * age(fix.time_us);
+    filter_.set_vertical_velocity(now, kDoubtfulVariance);
+    // The barometer decides where that was.
+    filter_.set_down(filter_.kinematics().position_N.z(), kDoubtfulHeight);
     jumped_ = true;
 }
 
@@ -128,6 +197,9 @@ void Navigation::fuse_position(unsigned axis, const GnssMeasurement& fix,
     const Fusion done = filter_.fuse(observation_of(kPosition + axis), innovation,
                                      fix.position_variance, params.gate);
     innovations_.gps_hpos[axis] = innovation;
+    // A jump of the position alone is the receiver's.
+    const bool counts = done.fused() || velocity_aid_.refused_for(fix.time_us) > 0.0F;
+    if (counts) Disagreement::follow(disagreement_.position_N(axis), innovation, kFollowPosition);
     ratios_.pos_test_ratio =
         axis == 0 ? done.test_ratio : math::max(ratios_.pos_test_ratio, done.test_ratio);
     if (axis == 0) {
@@ -137,6 +209,7 @@ void Navigation::fuse_position(unsigned axis, const GnssMeasurement& fix,
     const bool first = !position_aid_.started();
     const bool fused = !first && north_fused_ && done.fused();
     if (!position_aid_.note(fused, fix.time_us, params.reset_timeout) && !first) return;
+    if (!first) disagreement_.jump_N.head<2>() += difference.head<2>();
     const Vector now = fix.position_N + filter_.kinematics().velocity_N * age(fix.time_us);
     filter_.set_horizontal_position(now.head<2>(), fix.position_variance);
     position_aid_.accept(fix.time_us);
@@ -154,28 +227,63 @@ void Navigation::fuse_height(const GnssMeasurement& fix, const NavigationParams&
     const Fusion done =
         filter_.fuse(observation_of(kPosition + 2), innovation, fix.height_variance, params.gate);
     innovations_.gps_vpos = innovation;
+    Disagreement::follow(disagreement_.position_N.z(), innovation, kFollowHeight);
+    gnss_height_fits_ = math::abs(innovation) < kHeightFits;
+    if (!baro_has_failed_ && barometer_drifts()) {
+        // Satellites' height and velocity are two against one.
+        baro_has_failed_ = true;
+        filter_.set_down(
+            static_cast<float>(origin_height_ - fix.height) + at.velocity_N.z() * age(fix.time_us),
+            fix.height_variance);
+        disagreement_.position_N.z() = disagreement_.baro = 0.0F;
+        height_aid_.accept(fix.time_us);
+        jumped_ = true;
+        return;
+    }
     if (done.fused() && !height_aid_.recent(fix.time_us, kWithoutBaro))
         height_aid_.accept(fix.time_us);
+}
+
+// Satellites see it rise or sink away from where the barometer holds it, and their velocity, too.
+bool Navigation::barometer_drifts() const {
+    constexpr float kHeight = 6.0F;    // m
+    constexpr float kVelocity = 0.2F;  // m/s
+    const float height = disagreement_.position_N.z();
+    const float velocity = disagreement_.velocity_N.z();
+    return flies_ && math::abs(height) > kHeight && math::abs(velocity) > kVelocity &&
+           height * velocity > 0.0F;
 }
 
 bool Navigation::fuse_baro(const NavigationParams& params) {
     if (!is_due(baro_)) return false;
     const BaroMeasurement sample = baro_.front();
     baro_.pop();
+    if (baro_has_failed_) return true;
     const Kinematics& at = filter_.kinematics();
     const float height =
         -(at.position_N.z() - at.velocity_N.z() * age(sample.time_us)) + filter_.baro_offset();
-    const bool first = !height_aid_.started();
-    if (first) baro_reference_ = sample.height - height;
+    baro_rate_.add(sample.time_us, sample.height);
+    if (!has_baro_reference_) baro_reference_ = sample.height - height;
+    has_baro_reference_ = true;
     const float innovation = sample.height - baro_reference_ - height;
     const ObservationModel model{static_cast<ErrorState>(kPosition + 2), -1.0F, kBaroOffset, 1.0F};
     const Fusion done =
         filter_.fuse(model, innovation, math::square(params.baro_noise), params.gate);
     innovations_.baro_vpos = innovation;
+    Disagreement::follow(disagreement_.baro, innovation, kFollowBaro);
     innovations_.timestamp_sample = sample.time_us;
     ratios_.hgt_test_ratio = done.test_ratio;
     measured_ = true;
     if (!height_aid_.note(done.fused(), sample.time_us, params.reset_timeout)) return true;
+    disagreement_.baro = 0.0F;
+    if (height_aid_.started() && gnss_height_fits_) {
+        // The barometer jumped, not the vehicle: satellites say so, too.
+        baro_reference_ += innovation;
+        disagreement_.jump_N.z() += kShare * innovation;
+        height_aid_.accept(sample.time_us);
+        return true;
+    }
+    if (height_aid_.started()) disagreement_.jump_N.z() -= innovation;
     filter_.set_down(at.position_N.z() - innovation, math::square(params.baro_noise));
     filter_.set_vertical_velocity(at.velocity_N.z(), kFlightVariance);
     height_aid_.accept(sample.time_us);
@@ -208,11 +316,14 @@ bool Navigation::fuse_mag(const NavigationParams& params) {
     const ObservationModel model{kHeading, 1.0F, kMagOffset, 1.0F};
     const Fusion done = filter_.fuse(model, innovation, variance, params.gate, true);
     innovations_.heading = innovation;
+    Disagreement::follow(disagreement_.heading, innovation, kFollowBaro);
     innovations_.timestamp_sample = sample.time_us;
     ratios_.mag_test_ratio = done.test_ratio;
     measured_ = true;
     if (heading_aid_.note(done.fused(), sample.time_us, params.reset_timeout)) {
         // Something magnetic came or went; the gyro knows better.
+        disagreement_.heading_jump = math::wrap_pi(disagreement_.heading_jump + innovation);
+        disagreement_.heading = 0.0F;
         filter_.shift_mag_offset(innovation, math::square(params.mag_offset_uncertainty));
         heading_aid_.accept(sample.time_us);
     }

@@ -9,11 +9,15 @@ namespace {
 constexpr float kSmoothing = 0.25F;     // s
 constexpr float kGoodHeading = 0.35F;   // rad, 1 sigma
 constexpr float kCoasting = 1.0F;       // s without satellites that count as dead reckoning
-constexpr float kGoodPosition = 30.0F;  // m, 1 sigma
+constexpr float kGoodPosition = 20.0F;  // m, 1 sigma
 constexpr float kGoodHeight = 10.0F;    // m, 1 sigma
 
-float deviation(float variance) {
-    return math::sqrt(variance);
+constexpr float kGoodVelocity = 2.0F;       // m/s, 1 sigma
+constexpr float kGoodLevelVelocity = 4.0F;  // the same for the horizontal one
+
+// `slow`: what is the same for minutes, so that the filter cannot know it.
+float deviation(float variance, float slow = 0.0F) {
+    return math::sqrt(variance + math::square(slow));
 }
 
 }  // namespace
@@ -48,6 +52,16 @@ void Navigation::publish(NavigationPorts& ports) {
     });
 }
 
+// A magnetometer's error that appears in flight is the magnetometer's, or the heading's.
+float Navigation::nose_variance() const {
+    const float moved = math::wrap_pi(filter_.mag_offset() - proven_mag_offset_);
+    // A field that dips turns by twice the tilt's error.
+    constexpr float kThroughTilt = 0.5F;  // rad
+    const float tilted = filter_.has_impossible_bias() ? kThroughTilt : 0.0F;
+    return filter_.variance(kHeading) + disagreement_.nose() + math::square(moved) +
+           math::square(tilted);
+}
+
 VehicleLocalPosition Navigation::local_position(const Kinematics& now,
                                                 const NavigationParams& params) const {
     const auto variance = [this](unsigned state) { return filter_.variance(state); };
@@ -74,17 +88,18 @@ VehicleLocalPosition Navigation::local_position(const Kinematics& now,
     result.ay = acceleration_N.y();
     result.az = acceleration_N.z();
     result.heading = math::heading(now.q_NB);
-    result.eph = deviation(position);
-    result.epv = deviation(variance(kPosition + 2));
-    result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1));
-    result.evv = deviation(variance(kVelocity + 2));
-    result.xy_valid = position_aided && position < math::square(kGoodPosition);
+    const Disagreement& d = disagreement_;
+    result.eph = deviation(position + d.level_position(), params.gnss_slow_error);
+    result.epv = deviation(variance(kPosition + 2) + d.height(), params.baro_slow_error);
+    result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1) + d.level_velocity());
+    result.evv = deviation(variance(kVelocity + 2) + d.vertical_velocity());
+    result.xy_valid = position_aided && result.eph < kGoodPosition;
     result.z_valid = height_aided && result.epv < kGoodHeight;
-    result.v_xy_valid = velocity_aided || position_aided;
-    result.v_z_valid = result.z_valid;
+    result.v_xy_valid = (velocity_aided || position_aided) && result.evh < kGoodLevelVelocity;
+    result.v_z_valid = result.z_valid && result.evv < kGoodVelocity && !doubt_.now();
     result.xy_global = has_origin_;
     result.z_global = has_origin_height_;
-    result.heading_good_for_control = variance(kHeading) < math::square(kGoodHeading);
+    result.heading_good_for_control = nose_variance() < math::square(kGoodHeading);
     result.dead_reckoning = !position_aid_.recent(filter_.time_us(), kCoasting) &&
                             !velocity_aid_.recent(filter_.time_us(), kCoasting);
     return result;
@@ -109,10 +124,12 @@ void Navigation::publish_state(NavigationPorts& ports) const {
         EstimatorStatus status = ratios_;
         status.timestamp_sample = filter_.time_us();
         status.pos_horiz_accuracy =
-            deviation(filter_.variance(kPosition) + filter_.variance(kPosition + 1));
-        status.pos_vert_accuracy = deviation(filter_.variance(kPosition + 2));
+            deviation(filter_.variance(kPosition) + filter_.variance(kPosition + 1),
+                      ports.params->gnss_slow_error);
+        status.pos_vert_accuracy =
+            deviation(filter_.variance(kPosition + 2), ports.params->baro_slow_error);
         status.tilt_accuracy = deviation(filter_.variance(kTurn) + filter_.variance(kTurn + 1));
-        status.heading_accuracy = deviation(filter_.variance(kHeading));
+        status.heading_accuracy = deviation(nose_variance(), ports.params->mag_slow_error);
         status.late_measurements = late_;
         return status;
     });

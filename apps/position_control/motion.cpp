@@ -74,7 +74,10 @@ Vector3<float> Motion::measured_acceleration(const Vector3<float>& velocity_N, f
 
 Vector3<float> Motion::limited_thrust(Vector3<float> thrust_N, float thrust_max) const {
     const float least = math::min(limits_.thrust_min, thrust_max);
-    thrust_N.z() = math::clamp(thrust_N.z(), -thrust_max, -least);
+    // Weight goes first, except for what levels a vehicle at the end of its thrust.
+    const float leans = math::min(math::norm(thrust_N.head<2>()), limits_.lean_margin * thrust_max);
+    const float most = math::sqrt(math::max(math::square(thrust_max) - math::square(leans), 0.0F));
+    thrust_N.z() = math::clamp(thrust_N.z(), -most, -least);
     const float left = math::square(thrust_max) - math::square(thrust_N.z());
     const float by_thrust = math::sqrt(math::max(left, 0.0F));
     const float by_tilt = limits_.tan_tilt * -thrust_N.z();

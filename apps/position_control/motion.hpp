@@ -21,6 +21,7 @@ struct MotionLimits {
     float climb;
     float descent;
     float tan_tilt;
+    float lean_margin;   // of the most thrust, kept for horizontal control
     float thrust_min;    // share of the most, as all thrust here
     float hover_thrust;  // carries the weight
     float blind_sink;    // m/s^2
@@ -38,7 +39,8 @@ struct MotionEstimate {
 //                    + acceleration feed-forward + drag * velocity feed-forward
 //     thrust_N = hover_thrust / g * (acceleration - (0, 0, g))
 //
-// Weight goes before direction: the thrust vector is cut first in height, then in tilt. An axis
+// Weight goes before direction: the thrust vector is cut first in height, down to a margin for
+// horizontal control, then in tilt. An axis
 // that was cut integrates only what leads away from its limit. An axis whose setpoint is free, or
 // whose velocity is unknown, keeps its integral and feed-forward alone; the vertical one then
 // sinks.

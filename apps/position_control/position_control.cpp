@@ -62,7 +62,8 @@ bool flies(const PositionControlPorts& ports) {
 
 // On the ground, where a vehicle that holds its position leans into the wind, and falls over.
 bool rests(const PositionControlPorts& ports) {
-    const bool should_climb = ports.setpoint && ports.setpoint->velocity[2] < 0.0F;
+    constexpr float kClimbs = -0.02F;  // m/s
+    const bool should_climb = ports.setpoint && ports.setpoint->velocity[2] < kClimbs;
     return stands(ports) && !should_climb;
 }
 
@@ -91,6 +92,7 @@ void PositionControl::configure(const PositionControlParams& p) {
                         .climb = p.climb_limit,
                         .descent = p.descent_limit,
                         .tan_tilt = math::tan(p.tilt_limit),
+                        .lean_margin = p.lean_margin,
                         .thrust_min = p.thrust_min,
                         .hover_thrust = p.hover_thrust,
                         .blind_sink = p.blind_sink,

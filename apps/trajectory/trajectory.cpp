@@ -14,7 +14,9 @@ constexpr float kGravity = 9.80665F;
 constexpr float kShortestStep = 1e-3F;
 constexpr float kLongestStep = 0.1F;
 constexpr float kEndless = 2000.0F;  // m, below any ground
-constexpr float kTurnGain = 2.0F;    // 1/s
+constexpr float kOutOfReach = 2.0F;  // of the limit of lag: gusts alone do not carry it so far
+constexpr float kLongestLag_s = 1e4F;
+constexpr float kTurnGain = 2.0F;  // 1/s
 
 constexpr TrajectorySetpoint kFree{.timestamp = 0,
                                    .position = {kNaN, kNaN, kNaN},
@@ -108,6 +110,7 @@ void Trajectory::take_goal(const GotoSetpoint& goal, const TrajectoryParams& par
     const Leg leg = leg_to(goal, stop.rest());
     plan_ = MotionPlan(stop, is_finite(leg) ? leg : Leg());
     plan_time_ = 0.0F;
+    shift_N_.setZero();
 }
 
 Leg Trajectory::leg_to(const GotoSetpoint& goal, const Vector3<float>& rest) const {
@@ -135,20 +138,41 @@ Leg Trajectory::leg_to(const GotoSetpoint& goal, const Vector3<float>& rest) con
     }
 }
 
-// A vehicle that lags far behind, in a gust or at the end of its thrust, is waited for.
+// The pace of the plan. A vehicle that lags far behind, in a gust or at the end of its thrust, is
+// waited for; a landing is not, as below there is less wind and nothing to lose.
+float Trajectory::wait_for(const TrajectoryPorts& ports, float dt) {
+    const TrajectoryParams& params = *ports.params;
+    if (!ports.position || !ports.position->xy_valid || !ports.position->z_valid) return 1.0F;
+    const VehicleLocalPosition& p = *ports.position;
+    const float lag = math::norm(state_.position.head<2>() - Eigen::Vector2f(p.x, p.y));
+    const float below = p.z - state_.position.z();
+    const bool is_far = math::max(lag, below) > kOutOfReach * params.lag_limit;
+    lags_for_s_ = is_far ? math::min(lags_for_s_ + dt, kLongestLag_s) : 0.0F;
+    if (ports.status && ports.status->nav_state == VehicleStatus::NavState::kLand) {
+        come_along(p, params.lag_limit);
+        return 1.0F;
+    }
+    return math::clamp(2.0F - 2.0F * lag / params.lag_limit, 0.0F, 1.0F);
+}
+
+// Moves the plan so that the setpoint is at most this far from the vehicle, horizontally and above.
+void Trajectory::come_along(const VehicleLocalPosition& position, float most) {
+    const Vector3<float> ahead =
+        state_.position - Vector3<float>(position.x, position.y, position.z);
+    const float lag = math::norm(ahead.head<2>());
+    if (lag > most) shift_N_.head<2>() -= ahead.head<2>() * (1.0F - most / lag);
+    if (-ahead.z() > most) shift_N_.z() -= ahead.z() + most;
+}
+
 void Trajectory::advance_goal(const TrajectoryPorts& ports, float dt) {
     const TrajectoryParams& params = *ports.params;
     const bool is_other = ports.goal && (!has_goal_ || ports.goal->number != goal_number_);
     if (is_other) take_goal(*ports.goal, params);
     if (!has_goal_) return;
-    pace_ = 1.0F;
-    if (ports.position && ports.position->xy_valid && ports.position->z_valid) {
-        const VehicleLocalPosition& p = *ports.position;
-        const float lag = math::norm(state_.position.head<2>() - Eigen::Vector2f(p.x, p.y));
-        pace_ = math::clamp(2.0F - 2.0F * lag / params.lag_limit, 0.0F, 1.0F);
-    }
+    pace_ = wait_for(ports, dt);
     plan_time_ = math::min(plan_time_ + pace_ * dt, plan_.duration());
     state_ = plan_.at(plan_time_);
+    state_.position += shift_N_;
     const bool is_eight = ports.goal && ports.goal->kind == GotoSetpoint::Kind::kEight;
     turn(ports.goal && !is_eight ? ports.goal->heading : kNaN, params, dt);
 }
@@ -162,6 +186,11 @@ void Trajectory::advance_speeds(const TrajectoryPorts& ports, float dt) {
     const Vector3<float> wanted = turned({sticks.pitch * params.speed, sticks.roll * params.speed,
                                           -sticks.throttle * vertical_speed},
                                          heading_);
+    if (ports.land && ports.land->landed && !(wanted.z() < 0.0F)) {
+        follow_estimate(ports);
+        state_.velocity.setZero();  // of an estimate that drifts
+        return;
+    }
     const Vector3<float> change = params.stick_response * (wanted - state_.velocity);
     const Vector3<float> jump =
         with_length_limit(change, params.acceleration) - state_.acceleration;
@@ -192,7 +221,8 @@ TrajectorySetpoint Trajectory::setpoint(const TrajectoryPorts& ports) const {
     TrajectorySetpoint result = kFree;
     if (task_ == Task::kFollow || (task_ == Task::kGoal && !has_goal_)) return result;
     if (task_ == Task::kSink) {
-        result.velocity = {kNaN, kNaN, ports.params->landing_rate};
+        // Standing over the ground, if something says how fast that goes by.
+        result.velocity = {0.0F, 0.0F, ports.params->landing_rate};
         result.yawspeed = 0.0F;
         return result;
     }
@@ -214,6 +244,7 @@ void Trajectory::step(TrajectoryPorts& ports) {
     if (task_ != Task::kGoal) {
         has_goal_ = false;
         pace_ = 1.0F;
+        lags_for_s_ = 0.0F;
     }
     if (task_ == Task::kFollow || task_ == Task::kSink) follow_estimate(ports);
     if (task_ == Task::kGoal) advance_goal(ports, dt);
@@ -221,7 +252,8 @@ void Trajectory::step(TrajectoryPorts& ports) {
     ports.setpoint.publish([&] { return setpoint(ports); });
     ports.progress.publish([&] {
         return TrajectoryProgress{.goal = goal_number_,
-                                  .is_done = has_goal_ && plan_time_ >= plan_.duration()};
+                                  .is_done = has_goal_ && plan_time_ >= plan_.duration(),
+                                  .lags_for = lags_for_s_};
     });
 }
 

@@ -29,22 +29,88 @@ constexpr std::array kRows{Row{"gnss_loss", FaultKind::kGnssLoss, 0.0, 0.0},
                            Row{"motor_3", FaultKind::kMotor3, 0.7, 1.0},
                            Row{"motor_4", FaultKind::kMotor4, 0.7, 1.0}};
 
-// 0 to `most`.
-std::optional<double> read(std::string_view text, double most) {
+constexpr double kMostOfPart = 1e6;
+// Names that end in others come first.
+constexpr std::array kPartRows{Row{"wrong_sign", FaultKind::kWrongSign, 0.0, 0.0},
+                               Row{"swapped_axis", FaultKind::kSwappedAxis, 0.0, 0.0},
+                               Row{"stuck_stick", FaultKind::kStuckStick, 0.0, 0.0},
+                               Row{"motor_stuck", FaultKind::kMotorStuck, 0.0, 0.0},
+                               Row{"weak_supply", FaultKind::kWeakSupply, 20.0, kMostOfPart},
+                               Row{"saturation", FaultKind::kSaturation, 1.0, kMostOfPart},
+                               Row{"time_jump", FaultKind::kTimeJump, 0.5, kMostOfPart},
+                               Row{"drop_out", FaultKind::kDropOut, 0.0, 0.0},
+                               Row{"silence", FaultKind::kSilence, 0.0, 0.0},
+                               Row{"partial", FaultKind::kPartial, 0.5, 1.0},
+                               Row{"offset", FaultKind::kOffset, 1.0, kMostOfPart},
+                               Row{"preset", FaultKind::kPreset, 0.0, 0.0},
+                               Row{"drift", FaultKind::kDrift, 0.1, kMostOfPart},
+                               Row{"stuck", FaultKind::kStuck, 0.0, 0.0},
+                               Row{"noise", FaultKind::kNoise, 1.0, kMostOfPart},
+                               Row{"spike", FaultKind::kSpike, 10.0, kMostOfPart},
+                               Row{"delay", FaultKind::kDelay, 0.3, 60.0},
+                               Row{"speed", FaultKind::kWindSpeed, 10.0, 100.0},
+                               Row{"dead", FaultKind::kDead, 0.0, 0.0},
+                               Row{"loss", FaultKind::kLoss, 0.0, 0.0},
+                               Row{"sag", FaultKind::kSag, 0.8, 1.0}};
+
+std::optional<double> read(std::string_view text, double least, double most) {
     double number = 0.0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (error != std::errc{} || end != text.data() + text.size()) return {};
-    if (!(number >= 0.0 && number <= most)) return {};
+    if (!(number >= least && number <= most)) return {};
     return number;
 }
 
+std::optional<double> value_of(const Row& row, std::string_view value, bool has_value) {
+    if (has_value && row.most == 0.0) return {};
+    if (!has_value) return row.usual;
+    const bool is_signed = row.kind == FaultKind::kOffset || row.kind == FaultKind::kDrift ||
+                           row.kind == FaultKind::kSpike;
+    return read(value, is_signed ? -row.most : 0.0, row.most);
+}
+
+bool copy(std::string_view text, std::array<char, Fault::kLongestName>& name) {
+    if (text.size() >= name.size()) return false;
+    text.copy(name.data(), text.size());
+    return true;
+}
+
+// [QUANTITY_][AXIS_] in front of a fault's name.
+bool read_where(std::string_view text, Fault& fault) {
+    if (text.empty()) return true;
+    if (text.back() != '_') return false;
+    text.remove_suffix(1);
+    const bool is_axis = text.size() == 1 || (text.size() > 1 && text[text.size() - 2] == '_');
+    if (is_axis && text.back() >= 'x' && text.back() <= 'z') {
+        fault.axis = text.back() - 'x';
+        text.remove_suffix(text.size() == 1 ? 1 : 2);
+    }
+    return copy(text, fault.quantity);
+}
+
+std::optional<Fault> of_part(std::string_view part, std::string_view name, std::string_view value,
+                             bool has_value) {
+    for (const Row& row : kPartRows) {
+        if (!name.ends_with(row.name)) continue;
+        const auto number = value_of(row, value, has_value);
+        Fault fault{.kind = row.kind};
+        if (!number || part.empty() || !copy(part, fault.part)) return {};
+        if (!read_where(name.substr(0, name.size() - row.name.size()), fault)) continue;
+        fault.value = *number;
+        return fault;
+    }
+    return {};
+}
+
 std::optional<Fault> of_name(std::string_view name, std::string_view value, bool has_value) {
+    const std::size_t dot = name.find('.');
+    if (dot != name.npos)
+        return of_part(name.substr(0, dot), name.substr(dot + 1), value, has_value);
     for (const Row& row : kRows) {
         if (row.name != name) continue;
-        if (has_value && row.most == 0.0) return {};
-        const auto number = has_value ? read(value, row.most) : row.usual;
+        const auto number = value_of(row, value, has_value);
         if (!number) return {};
-        return Fault{row.kind, *number, 0, 0};
+        return Fault{.kind = row.kind, .value = *number};
     }
     return {};
 }
@@ -57,7 +123,7 @@ std::uint64_t microseconds(double seconds) {
 
 const char* const kFaultNames =
     "gnss_loss, gnss_glitch[=METRES], baro_loss, mission_loss, rc_loss, battery_low[=0..1], "
-    "motor_1 to motor_4[=0..1]";
+    "motor_1 to motor_4[=0..1], or PART.FAULT[=VALUE] of a part of the graph";
 
 bool Faults::add(const Fault& fault) {
     if (count_ == kMax) return false;
@@ -69,8 +135,16 @@ std::optional<double> Faults::now(FaultKind kind, std::uint64_t time_us) const {
     std::optional<double> result;
     for (unsigned i = 0; i < count_; ++i) {
         const Fault& fault = faults_[i];
-        const bool there = fault.kind == kind && time_us >= fault.from_us;
-        if (there && time_us < fault.until_us) result = fault.value;
+        if (fault.kind == kind && fault.acts(time_us)) result = fault.value;
+    }
+    return result;
+}
+
+std::optional<double> Faults::now(std::string_view part, FaultKind kind,
+                                  std::uint64_t time_us) const {
+    std::optional<double> result;
+    for (const Fault& fault : *this) {
+        if (fault.kind == kind && fault.is_of(part) && fault.acts(time_us)) result = fault.value;
     }
     return result;
 }
@@ -86,9 +160,9 @@ std::optional<Fault> read_fault(const char* text) {
     auto fault =
         of_name(what.substr(0, equals), has_value ? what.substr(equals + 1) : "", has_value);
     const std::size_t plus = when.find('+');
-    const auto from = read(when.substr(0, plus), kLatest_s);
+    const auto from = read(when.substr(0, plus), 0.0, kLatest_s);
     const bool for_good = plus == std::string_view::npos;
-    const auto lasts = for_good ? 2.0 * kLatest_s : read(when.substr(plus + 1), kLatest_s);
+    const auto lasts = for_good ? 2.0 * kLatest_s : read(when.substr(plus + 1), 0.0, kLatest_s);
     if (!fault || !from || !lasts) return {};
     fault->from_us = microseconds(*from);
     fault->until_us = microseconds(*from + *lasts);

@@ -2,6 +2,7 @@
 #include "world/world.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 namespace stator::world {
 
@@ -18,6 +19,7 @@ QuadState draw_start(std::uint64_t seed) {
     return start;
 }
 
+constexpr std::array<std::string_view, kRotors> kMotors{"motor_1", "motor_2", "motor_3", "motor_4"};
 constexpr std::array kMotorFaults{FaultKind::kMotor1, FaultKind::kMotor2, FaultKind::kMotor3,
                                   FaultKind::kMotor4};
 
@@ -55,11 +57,32 @@ void World::choose_influence(std::uint64_t now_us) {
     if (const auto left = faults.now(FaultKind::kBatteryLow, now_us)) battery_.limit(*left);
     const double height = -plant_.state().position_N.z();
     influence_.wind_N = wind_.at(now_us, height, math::norm(plant_.velocity_in_air_B()));
-    influence_.supply = battery_.voltage() / plant_.parameters().nominal_voltage;
+    const Vector3 more =
+        faults.now(FaultKind::kWindSpeed, now_us).value_or(0.0) * wind_.direction();
+    influence_.wind_N += more;
+    influence_.supply = supply(now_us);
     influence_.current = battery_.current();
     for (unsigned i = 0; i < kRotors; ++i) {
-        influence_.efficiency[i] = faults.now(kMotorFaults[i], now_us).value_or(1.0);
+        const auto partial = faults.now(kMotors[i], FaultKind::kPartial, now_us);
+        const bool is_lost = faults.now(kMotors[i], FaultKind::kLoss, now_us).has_value();
+        influence_.efficiency[i] =
+            is_lost ? 0.0 : faults.now(kMotorFaults[i], now_us).value_or(partial.value_or(1.0));
     }
+}
+
+// The voltage that the motors get, of the nominal one.
+double World::supply(std::uint64_t now_us) {
+    const Faults& faults = conditions_.faults;
+    if (faults.now(FaultKind::kDead, now_us)) return 0.0;
+    double voltage = battery_.voltage() * faults.now(FaultKind::kSag, now_us).value_or(1.0);
+    // It holds the current near what it can give by giving less voltage.
+    const auto most = faults.now(FaultKind::kWeakSupply, now_us);
+    constexpr double kFalls = 0.995;
+    constexpr double kRises = 1.002;
+    const bool is_over = most && battery_.current() > *most;
+    weakness_ = most ? math::min(weakness_ * (is_over ? kFalls : kRises), 1.0) : 1.0;
+    voltage *= weakness_;
+    return voltage / plant_.parameters().nominal_voltage;
 }
 
 bool World::has_fault(FaultKind kind) const {
@@ -67,7 +90,12 @@ bool World::has_fault(FaultKind kind) const {
 }
 
 void World::command_motors(std::uint64_t now_us, const std::array<float, kRotors>& control) {
-    commands_.push_back({now_us + vehicle_.command_delay_us, control});
+    for (unsigned i = 0; i < kRotors; ++i) {
+        const bool is_stuck =
+            conditions_.faults.now(kMotors[i], FaultKind::kMotorStuck, now_us).has_value();
+        if (!is_stuck) obeyed_[i] = control[i];
+    }
+    commands_.push_back({now_us + vehicle_.command_delay_us, obeyed_});
     move_plant(now_us);
     motors_are_stopped_ = std::all_of(control.begin(), control.end(), math::is_nan<float>);
 }

@@ -59,6 +59,9 @@ class Wind {
     // Over N, at a time that never goes back. `airspeed`: how fast gusts pass the vehicle.
     Vector3 at(std::uint64_t time_us, double height, double airspeed);
 
+    // Along the mean wind, of unit length.
+    Vector3 direction() const { return {-from_.cos, -from_.sin, 0.0}; }
+
   private:
     Vector3 next_gust(double height, double airspeed);
 

@@ -53,6 +53,7 @@ class World {
   private:
     void move_plant(std::uint64_t time_us);
     void choose_influence(std::uint64_t now_us);
+    double supply(std::uint64_t now_us);
 
     Conditions conditions_;
     Vehicle vehicle_;
@@ -65,7 +66,9 @@ class World {
         std::uint64_t time_us;  // from when on it acts
         std::array<float, kRotors> control;
     };
-    std::deque<Command> commands_;  // on their way
+    std::deque<Command> commands_;         // on their way
+    std::array<float, kRotors> obeyed_{};  // the newest command of each motor that is not stuck
+    double weakness_ = 1.0;                // of a supply that gives too little current
     bool motors_are_stopped_ = true;
     std::uint64_t next_event_us_ = 0;
 };

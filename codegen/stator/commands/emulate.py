@@ -13,6 +13,8 @@ from stator.emulator.qemu import find_emulator, fly
 from stator.flight.arguments import (
     add_flight_arguments,
     complete,
+    failures_of,
+    faults_of,
     flight_options,
     is_judged,
     is_recorded,
@@ -21,6 +23,7 @@ from stator.flight.arguments import (
     place_options,
     rates_of,
     recording_of,
+    setting_of,
     speed_of,
 )
 from stator.flight.facts import alone, default_log, facts_of, keep, mission_facts
@@ -64,6 +67,7 @@ def main(arguments: argparse.Namespace) -> int:
     mission = complete(arguments)
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".emulated")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
+    faults = faults_of(arguments)
     emulator = find_emulator()
     variant = (SLEEP if arguments.sleep else {}) | recording_of(arguments)
     image = build_image(arguments.graph, arguments.board, variant)
@@ -91,9 +95,10 @@ def main(arguments: argparse.Namespace) -> int:
             judges=is_judged(arguments),
             is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
+            setting=setting_of(arguments, mission),
         )
     facts |= mission_facts(arguments, mission)
-    facts |= rates_of(arguments)
+    facts |= failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())
     facts["emulator"] = emulator.version

@@ -12,6 +12,8 @@ from stator.diagnostics import ANSWER_IS_NO, UserError
 from stator.flight.arguments import (
     add_flight_arguments,
     complete,
+    failures_of,
+    faults_of,
     flight_options,
     is_judged,
     is_recorded,
@@ -20,6 +22,7 @@ from stator.flight.arguments import (
     place_options,
     rates_of,
     recording_of,
+    setting_of,
     speed_of,
     times_of,
 )
@@ -54,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(arguments: argparse.Namespace) -> int:
     """0 if the flight was successful; 1 if it failed or could not be judged."""
     mission = complete(arguments)
+    faults = faults_of(arguments)
     variant = {} if arguments.times == "zero" else PREEMPTION
     times = times_of(arguments)
     program = build(
@@ -76,9 +80,10 @@ def main(arguments: argparse.Namespace) -> int:
             judges=is_judged(arguments),
             is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
+            setting=setting_of(arguments, mission),
         )
     facts |= mission_facts(arguments, mission)
-    facts |= rates_of(arguments)
+    facts |= failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())
     facts |= {"wind_m_s": arguments.wind, "wind_from_deg": arguments.wind_from}

@@ -24,6 +24,8 @@ from stator.diagnostics import (
 from stator.flight.arguments import (
     add_flight_arguments,
     complete,
+    failures_of,
+    faults_of,
     flight_options,
     is_judged,
     is_recorded,
@@ -32,6 +34,7 @@ from stator.flight.arguments import (
     place_options,
     rates_of,
     recording_of,
+    setting_of,
 )
 from stator.flight.facts import complaint_of, default_log, facts_of, keep, mission_facts
 from stator.flight.nonvolatile import nonvolatile_facts, nonvolatile_of, nonvolatile_rows
@@ -46,6 +49,7 @@ if TYPE_CHECKING:
     import subprocess
     from collections.abc import Iterator
 
+    from stator.flight.invariants import Setting
     from stator.mission.model import Mission
 
 MIN_SPEED = 0.001
@@ -145,6 +149,7 @@ def main(arguments: argparse.Namespace) -> int:
     mission = complete(arguments)
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
+    faults = faults_of(arguments)
     program = build(arguments.graph, arguments.board, recording_of(arguments), executor="pthread")
     flies = _flies(arguments)
     memory = nonvolatile_of(arguments, log)
@@ -171,7 +176,9 @@ def main(arguments: argparse.Namespace) -> int:
         flies=flies,
         is_recorded=is_recorded(arguments),
         in_wind=is_windy(arguments),
+        setting=setting_of(arguments, mission),
     )
+    facts |= failures_of(faults)
     facts |= mission_facts(arguments, mission)
     facts["logs_before_restart"] = [str(path.resolve()) for path in earlier]
     facts["nonvolatile"] = nonvolatile_facts(memory, facts.get("nonvolatile"))
@@ -261,6 +268,7 @@ def _facts(
     flies: bool,
     is_recorded: bool,
     in_wind: bool,
+    setting: Setting,
 ) -> dict[str, Any]:
     facts: dict[str, Any] = facts_of(
         finished,
@@ -271,6 +279,7 @@ def _facts(
         judges=flies,
         is_recorded=is_recorded,
         in_wind=in_wind,
+        setting=setting,
     )
     if finished.returncode < 0:
         return facts

@@ -393,6 +393,7 @@ class ProgramRow:
 class ModeAfter:
     mode: str
     nexts: list[str]
+    disarms: list[str]  # on the ground: C++ literals
 
 
 @dataclass(frozen=True)
@@ -465,8 +466,12 @@ def failsafe(interface: Interface, table: Failsafe) -> FailsafeRow:
         namespace=f"stator::{interface.namespace}",
         events=[upper_camel(event) for event in table.events],
         rows=[
-            ModeAfter(upper_camel(mode), [upper_camel(following) for following in row])
-            for mode, row in zip(table.modes, table.rows, strict=True)
+            ModeAfter(
+                upper_camel(mode),
+                [upper_camel(following) for following in row],
+                ["true" if disarms else "false" for disarms in on_ground],
+            )
+            for mode, row, on_ground in zip(table.modes, table.rows, table.disarms, strict=True)
         ],
     )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import math
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +13,10 @@ from stator import HOME
 from stator.arguments import path
 from stator.build.cmake import RECORDING
 from stator.diagnostics import UserError, shown_path
+from stator.flight.faults import Fault, read_faults, unseen
+from stator.flight.invariants import Setting
+from stator.flight.log import MODES
+from stator.mission.fence import Fence
 from stator.mission.read import read_mission
 from stator.mission.route import origin_of, seconds_of, walk
 from stator.mission.store import write
@@ -99,10 +104,10 @@ def _add_world_arguments(parser: argparse.ArgumentParser) -> None:
         "--fail",
         action="append",
         default=[],
-        metavar="WHAT@S[+S]",
-        help="a failure, its start in seconds and its duration: gnss_loss, gnss_glitch[=METRES], "
-        "baro_loss, mission_loss, rc_loss, battery_low[=0..1], motor_1 to motor_4[=0..1]; use it "
-        "once for each failure",
+        metavar="PART.FAULT[=VALUE]@S[+S]",
+        help="a failure of a part of the graph, its start in seconds and its duration, such as "
+        "baro0.stuck@20+5; or random=N: N failures from the seed. Use it once for each failure; "
+        "an unknown one lists what the graph has (docs/simulation.md)",
     )
     world.add_argument(
         "--pilot",
@@ -175,10 +180,28 @@ def flight_options(arguments: argparse.Namespace) -> list[str]:
     options = ["--seed", str(arguments.seed), "--duration", f"{arguments.duration:.6f}"]
     options += ["--wind", f"{arguments.wind:.6f}", "--wind-from", f"{arguments.wind_from:.6f}"]
     options += ["--gusts", arguments.gusts, "--vary", "yes" if arguments.vary else "no"]
-    options += [word for fault in arguments.fail for word in ("--fail", fault)]
+    options += [
+        word
+        for fault in faults_of(arguments)
+        for text in fault.options()
+        for word in ("--fail", text)
+    ]
     if arguments.pilot is not None:
         options += ["--pilot", str(arguments.pilot.resolve())]
     return options
+
+
+def faults_of(arguments: argparse.Namespace) -> list[Fault]:
+    """Raises `UserError` for one that the graph does not have."""
+    if not arguments.fail:
+        return []
+    plan = make_plan(str(arguments.graph), arguments.board)
+    return read_faults(plan, arguments.fail, arguments.seed, 0.4 * arguments.duration)
+
+
+def failures_of(faults: list[Fault]) -> dict[str, object]:
+    """Their facts."""
+    return {"failures": [str(fault) for fault in faults], "unseen_failures": unseen(faults)}
 
 
 def is_windy(arguments: argparse.Namespace) -> bool:
@@ -252,6 +275,34 @@ def is_judged(arguments: argparse.Namespace) -> bool:
     nodes = plan.graph.nodes.values()
     has_motors = any(node.device == "motors" or node.interface.name == "can_esc" for node in nodes)
     return has_motors and has_logger(plan)
+
+
+def setting_of(arguments: argparse.Namespace, mission: Mission | None = None) -> Setting:
+    """What the flight is flown with, for its invariants."""
+    plan = make_plan(str(arguments.graph), arguments.board)
+    faults = faults_of(arguments)
+    unseen_s = min((f.from_s for f in faults if f.is_unseen), default=math.inf)
+    adrift_s = min((f.from_s for f in faults if f.takes_steering_away), default=math.inf)
+    commander = next((n for n in plan.graph.nodes.values() if n.interface.failsafe), None)
+    if commander is None:
+        return Setting(unseen_s=unseen_s, cannot_steer_s=adrift_s)
+    table = commander.interface.failsafe
+    assert table is not None
+    vehicle = vehicle_of(plan.graph)
+    radius, height, origin = vehicle.fence_radius, vehicle.fence_height, None
+    if mission is not None:
+        origin = origin_of(mission)
+        fence = Fence(mission.areas, origin)
+        radius = fence.home_radius if fence.includes else radius
+        height = mission.ceiling or height
+    return Setting(
+        needs={MODES[mode]: needs for mode, needs in table.needs.items()},
+        fence_radius=radius,
+        fence_height=height,
+        origin=origin,
+        unseen_s=unseen_s,
+        cannot_steer_s=adrift_s,
+    )
 
 
 def seed_of(text: str) -> int:

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 from stator import HOME
 from stator.build.cmake import short_name
 from stator.diagnostics import UserError, shown_path
+from stator.flight.invariants import Setting, first_broken
+from stator.flight.log import UnreadableFlight, read_truth_columns, topic
 from stator.mission.route import walk
 from stator.mission.vehicle import Vehicle
 
@@ -75,12 +77,14 @@ def facts_of(
     judges: bool = True,
     in_wind: bool = False,
     is_recorded: bool = False,
+    setting: Setting | None = None,
 ) -> dict[str, object]:
     """The facts that `--json` prints. None: there is no such fact."""
     facts: dict[str, object] = {
         "success": False,
         "reason": "",
         "problems": [],
+        "broken_invariant": None,
         "log": str(log.resolve()),
         "log_sha256": _sha256(log) if log.is_file() else None,  # a pipe is read once
         "truth": str(truth.resolve()),
@@ -118,6 +122,8 @@ def facts_of(
     if finished.returncode == NOT_WHOLE:
         return facts | {"reason": f"cannot judge the flight: {complaint_of(finished)}"}
     facts |= _ending(log, truth, run, mission, most_s=most_s, judges=judges, in_wind=in_wind)
+    if judges:
+        facts |= _invariants(log, truth, run, setting or Setting(), str(facts["reason"]))
     if facts["missed_life_signs"]:
         silent = f"{facts['missed_life_signs']} missed life signs: a task did not run in time"
         facts |= {"success": False, "reason": f"{silent}; {facts['reason']}"}
@@ -172,7 +178,7 @@ def _judged(
 
     from stator.flight.judge import CALM, IN_WIND, judge
     from stator.flight.log import UnreadableFlight, read_flight, read_truth
-    from stator.flight.mission import judge_mission
+    from stator.flight.mission import judge_mission, modes_of
 
     if log.stat().st_size == 0:
         return {"reason": "cannot judge the flight: the log is empty"}
@@ -186,7 +192,27 @@ def _judged(
         judgement = judge(flight, limits)
     except UnreadableFlight as unreadable:
         return {"reason": str(unreadable)}
-    return _judgement_facts(judgement) | {"limits": limits.as_json()}
+    modes = modes_of(topic(ulog, "vehicle_status"))
+    return _judgement_facts(judgement) | {"limits": limits.as_json(), "modes": modes}
+
+
+def _invariants(
+    log: Path, truth: Path, run: dict[str, Any], setting: Setting, reason: str
+) -> dict[str, object]:
+    """What changes in the facts of a flight that broke an invariant."""
+    from pyulog import ULog
+
+    if log.stat().st_size == 0:
+        return {}
+    try:
+        columns = read_truth_columns(truth)
+        broken = first_broken(ULog(str(log)), columns, str(run["ended"]), setting)
+    except UnreadableFlight:
+        return {}  # the judgement says so
+    if broken is None:
+        return {}
+    reason = f"broken invariant: {broken.in_words()}; {reason}"
+    return {"success": False, "reason": reason, "broken_invariant": broken.as_json()}
 
 
 def _verdict(problems: list[Problem]) -> dict[str, object]:

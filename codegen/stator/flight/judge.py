@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from stator.flight.log import Flight, Floats, Truth
 
 MAX_LANDED_TILT_DEG = 20.0
+UPSIDE_DOWN_DEG = 120.0
 
 
 @dataclass(frozen=True)
@@ -214,7 +215,8 @@ def landing_problems(flight: Flight, most_m_s: float) -> list[Problem]:
         problems.append(at_end(flight, f"the motors stopped in the air: {ending(flight)}"))
     tilt_deg = math.degrees(math.acos(np.clip(_down_in_body(flight.truth.q[-1:])[0, 2], -1, 1)))
     if tilt_deg > MAX_LANDED_TILT_DEG:
-        text = f"landed on its side: tilted {tilt_deg:.0f} deg (limit {MAX_LANDED_TILT_DEG:g} deg)"
+        how = "upside down" if tilt_deg > UPSIDE_DOWN_DEG else "on its side"
+        text = f"landed {how}: tilted {tilt_deg:.0f} deg (limit {MAX_LANDED_TILT_DEG:g} deg)"
         problems.append(at_end(flight, text))
     if flight.arming_state.size == 0 or flight.arming_state[-1] != DISARMED:
         problems.append(Problem("vehicle_status was not disarmed at the end"))

@@ -18,11 +18,12 @@ if TYPE_CHECKING:
 
 Floats: TypeAlias = NDArray[np.float64]
 
-_MODES = dict(own_field("VehicleStatus", "nav_state").values)
+MODES = dict(own_field("VehicleStatus", "nav_state").values)
 _WORDS = {"takeoff": "take-off", "land": "landing"}  # what a flight mode is called in a report
-DISARMED = dict(own_field("VehicleStatus", "arming_state").values)["disarmed"]
-HOLD = _MODES["hold"]
-NAV_STATES = {number: _WORDS.get(name, name) for name, number in _MODES.items()}
+_ARMING = dict(own_field("VehicleStatus", "arming_state").values)
+ARMED, DISARMED = _ARMING["armed"], _ARMING["disarmed"]
+HOLD = MODES["hold"]
+NAV_STATES = {number: _WORDS.get(name, name) for name, number in MODES.items()}
 FAILSAFE_EVENTS = {
     number: name
     for name, number in own_field("VehicleStatus", "failsafe_event").values

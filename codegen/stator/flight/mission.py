@@ -13,7 +13,7 @@ import numpy as np
 
 from stator.flight import log as flight_log
 from stator.flight.judge import Problem, at_end, ending, landing_problems, place, rms
-from stator.flight.log import FAILSAFE_EVENTS, NAV_STATES, in_flight, newest
+from stator.flight.log import ARMED, FAILSAFE_EVENTS, MODES, NAV_STATES, in_flight, newest
 from stator.graph.messages import own_field
 from stator.mission.commands import EIGHT, FLOWN, LANDINGS, RETURN, TAKEOFFS
 from stator.mission.route import walk
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     Rows = NDArray[np.bool_]
 
-ARMED, IN_MISSION = 2, 3  # graph/messages/VehicleStatus.yaml
 USUAL_LIMITS = {"touchdown_speed": 1.0}
 # From the place where a return or a landing of the mission leads, unless the file has a limit.
 USUAL_LANDING_ERROR_M = 5.0
@@ -83,7 +82,7 @@ def judge_mission(log: ULog, flight: Flight, mission: Mission) -> MissionFlight:
     result = MissionFlight()
     limits = USUAL_LIMITS | mission.limits
     status = flight_log.topic(log, "vehicle_status")
-    result.facts |= {"modes": _modes(status), "limits": limits}
+    result.facts |= {"modes": modes_of(status), "limits": limits}
     progress = flight_log.topic(log, "mission_result")
     items = _items(progress, mission)
     total, reached = len(items), sum(item["reached_s"] is not None for item in items)
@@ -142,7 +141,7 @@ def _measure(
 # --- parts ---
 
 
-def _modes(status: dict[str, NDArray[np.generic]]) -> list[dict[str, object]]:
+def modes_of(status: dict[str, NDArray[np.generic]]) -> list[dict[str, object]]:
     """Each change of arming or mode: its time, the mode, and the failsafe event."""
     rows = np.column_stack(
         [status[key].astype(np.int64) for key in ("arming_state", "nav_state", "failsafe_event")]
@@ -249,7 +248,7 @@ def _at_rest(flight: Flight, setpoint: Floats) -> NDArray[np.bool_]:
     time = flight.truth.time_s
     nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
     moves = np.any(np.diff(setpoint, axis=0, prepend=setpoint[:1]) != 0.0, axis=1)
-    moves |= ~np.isfinite(setpoint).all(axis=1) | (nav_state != IN_MISSION)
+    moves |= ~np.isfinite(setpoint).all(axis=1) | (nav_state != MODES["mission"])
     last = np.maximum.accumulate(np.where(moves, time, -np.inf))
     rests: NDArray[np.bool_] = time - last >= SETTLED_S
     return rests
@@ -291,7 +290,7 @@ def _tracking(log: ULog, flight: Flight, mission: Mission) -> float | None:
     nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
     eights = [i for i, m in enumerate(mission.items) if m.command == EIGHT]
     counted = eights or [i for i, m in enumerate(mission.items) if m.command in FLOWN - TAKEOFFS]
-    rows = in_flight(flight, time) & (nav_state == IN_MISSION) & np.isin(item, counted)
+    rows = in_flight(flight, time) & (nav_state == MODES["mission"]) & np.isin(item, counted)
     rows &= np.isfinite(setpoint).all(axis=1)
     error = np.linalg.norm(estimate[rows] - setpoint[rows], axis=1)
     return rms(error) if error.size else None

@@ -30,7 +30,8 @@ def show(facts: dict[str, object], more: list[tuple[str, str]]) -> None:
 
 
 def flight_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
-    rows = _mission_rows(facts) if facts.get("mission") else []
+    rows = _failure_rows(facts)
+    rows += _mission_rows(facts) if facts.get("mission") else []
     limits = facts.get("limits", {})
     assert isinstance(limits, dict)
     if facts["take_off_s"] is not None:
@@ -55,6 +56,14 @@ def flight_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         most = limits.get("touchdown_speed" if facts.get("mission") else "touchdown_m_s")
         rows.append(("touchdown", f"{when}{limit_of(most, 'm/s')}"))
     return rows
+
+
+def _failure_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
+    failures, unseen = facts.get("failures", []), facts.get("unseen_failures", [])
+    assert isinstance(failures, list)
+    assert isinstance(unseen, list)
+    shown = "; no sensor of this graph can show it"
+    return [("failures", f"{text}{shown if text in unseen else ''}") for text in failures]
 
 
 def limit_of(most: float | None, unit: str) -> str:

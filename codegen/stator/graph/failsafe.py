@@ -1,6 +1,8 @@
-"""Reads the failsafe table of an app: mode x event -> mode. Proves three things: the table is
-total; its transitions form no cycle; and no set of events ends in a mode that lacks what it needs.
-The search is exhaustive: every mode with every set of events."""
+"""Reads the failsafe table of an app: mode x event x (in the air, on the ground). In the air a cell
+is the mode that follows; on the ground it may only disarm. Proves four things: both halves are
+total; the transitions form no cycle; no set of events ends in a mode that lacks what it needs; and
+on the ground nothing leads to another mode, so that no failsafe can start a flight. The search is
+exhaustive: every mode with every set of events."""
 
 from __future__ import annotations
 
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     Cells = dict[str, dict[str, Leaf]]  # mode -> event -> the mode that follows, or GO_ON
 
 GO_ON = "go_on"
+DISARM = "disarm"
 HEADER = "event"  # the row of the table that names its columns
 # The message whose enumerations name the modes and the events, and its two fields.
 STATUS, MODES, EVENTS = "VehicleStatus", "nav_state", "failsafe_event"
@@ -49,6 +52,12 @@ SHAPE = Struct(
             "The row `event` names the columns.",
             required=True,
         ),
+        "landed": Key(
+            Table(_WORDS, "a mode", NAME_PATTERN),
+            "The same table for a vehicle on the ground, which an event may only disarm: each cell "
+            "is disarm or go_on.",
+            required=True,
+        ),
     }
 )
 
@@ -63,14 +72,24 @@ def read_failsafe(sources: Sources, path: Path, status: Message) -> Failsafe | N
     modes, events = _values(status, MODES), _values(status, EVENTS)[1:]
     _check_events(record, events, report)
     _check_keys(record.get("needs"), "needs", modes, "mode", report)
-    cells = _cells(record.get("table"), modes, events, report)
+    cells = _cells(record, "table", (*modes, GO_ON), modes, events, report)
+    landed = _cells(record, "landed", (DISARM, GO_ON), modes, events, report)
     if len(report) > count:
         return None
     _check_circles(cells, modes, report)
     if len(report) == count:
         _check_needs(record, cells, modes, events, report)
-    rows = tuple(tuple(_next(cells, m, e) for e in events) for m in modes)
-    return None if len(report) > count else Failsafe(path, modes, events, rows)
+        _check_landed_needs(record, landed, report)
+    if len(report) > count:
+        return None
+    return Failsafe(
+        path,
+        modes,
+        events,
+        tuple(tuple(_next(cells, m, e) for e in events) for m in modes),
+        tuple(tuple(landed[m][e].value == DISARM for e in events) for m in modes),
+        {mode: frozenset(words) for mode, words in _needs(record).items()},
+    )
 
 
 def _values(status: Message, field: str) -> tuple[str, ...]:
@@ -110,8 +129,16 @@ def _check_keys(
             )
 
 
-def _cells(table: Record, modes: tuple[str, ...], events: tuple[str, ...], report: Report) -> Cells:
+def _cells(
+    record: Record,
+    name: str,
+    words: tuple[str, ...],
+    modes: tuple[str, ...],
+    events: tuple[str, ...],
+    report: Report,
+) -> Cells:
     """The cells of the table, each under its column; reports what is missing or unknown."""
+    table: Record = record.get(name)
     header = table.get(HEADER)
     columns = () if header is None else tuple(leaf.value for leaf in header.value)
     if columns != events:
@@ -123,26 +150,65 @@ def _cells(table: Record, modes: tuple[str, ...], events: tuple[str, ...], repor
         )
     rows = {key: value for key, value in table.values.items() if key != HEADER}
     marks = {key: mark for key, mark in table.keys.items() if key != HEADER}
-    _check_keys(table._replace(keys=marks), "table", modes, "mode", report)
+    _check_keys(table._replace(keys=marks), name, modes, "mode", report)
     for mode, row in rows.items():
-        _check_row(marks[mode], row.value, modes, events, report)
+        _check_row(marks[mode], row.value, words, events, report)
     return {mode: dict(zip(events, row.value, strict=False)) for mode, row in rows.items()}
 
 
 def _check_row(
-    mark: Mark, row: list[Leaf], modes: tuple[str, ...], events: tuple[str, ...], report: Report
+    mark: Mark, row: list[Leaf], words: tuple[str, ...], events: tuple[str, ...], report: Report
 ) -> None:
     if len(row) != len(events):
         report.error(
             mark,
             "failsafe-total",
-            f"expected {len(events)} modes, one for each event, found {len(row)}",
+            f"expected {len(events)} cells, one for each event, found {len(row)}",
             f"the columns are {', '.join(events)}; write {GO_ON} where the mode stays",
         )
     for leaf in row:
-        if leaf.value not in (*modes, GO_ON):
-            hint = report.nearest(leaf.value, [*modes, GO_ON])
-            report.error(leaf.mark, "failsafe-total", f"unknown mode {quoted(leaf.value)}", hint)
+        if leaf.value in words:
+            continue
+        if DISARM in words:
+            report.error(
+                leaf.mark,
+                "failsafe-landed",
+                f"expected {DISARM} or {GO_ON} on the ground, found {quoted(leaf.value)}",
+                f"write {DISARM}: a failsafe that changes the mode could start a flight",
+            )
+            continue
+        hint = report.nearest(leaf.value, words)
+        report.error(leaf.mark, "failsafe-total", f"unknown mode {quoted(leaf.value)}", hint)
+
+
+def _needs(record: Record) -> dict[str, set[str]]:
+    return {m: {leaf.value for leaf in words.value} for m, words in items(record, "needs")}
+
+
+def _takes(record: Record) -> dict[str, set[str]]:
+    """What each event takes away."""
+    takes: dict[str, set[str]] = {}
+    for event, value in items(record, "events"):
+        words = value.get("without")
+        takes[event] = set() if words is None else {leaf.value for leaf in words.value}
+    return takes
+
+
+def _check_landed_needs(record: Record, landed: Cells, report: Report) -> None:
+    """On the ground no mode changes, so each event counts for itself."""
+    needs = _needs(record)
+    for event, taken in _takes(record).items():
+        for mode, row in landed.items():
+            missing = needs[mode] & taken
+            if row[event].value != GO_ON or not missing:
+                continue
+            report.error(
+                row[event].mark,
+                "failsafe-needs",
+                f"{mode} goes on on the ground, needs {', '.join(sorted(missing))}, and {event} "
+                "takes it away",
+                f"write {DISARM}",
+            )
 
 
 def _next(cells: Cells, mode: str, event: str) -> str:
@@ -204,11 +270,7 @@ def _check_needs(
 ) -> None:
     """Every mode that the table ends in has what it needs."""
     next_mode = {(m, e): _next(cells, m, e) for m in modes for e in events}
-    needs = {m: {leaf.value for leaf in words.value} for m, words in items(record, "needs")}
-    takes: dict[str, set[str]] = {}
-    for event, value in items(record, "events"):
-        words = value.get("without")
-        takes[event] = set() if words is None else {leaf.value for leaf in words.value}
+    needs, takes = _needs(record), _takes(record)
     for mode, flags in product(modes, product((False, True), repeat=len(events))):
         active = [event for event, is_on in zip(events, flags, strict=True) if is_on]
         end = settle(next_mode, mode, active)

@@ -86,6 +86,8 @@ class Failsafe:
     modes: tuple[str, ...]
     events: tuple[str, ...]  # most urgent first
     rows: tuple[tuple[str, ...], ...]  # for each mode, the next mode at each event
+    disarms: tuple[tuple[bool, ...], ...]  # the same on the ground: whether the event disarms
+    needs: dict[str, frozenset[str]]  # what each mode cannot do without
 
 
 @dataclass(frozen=True)

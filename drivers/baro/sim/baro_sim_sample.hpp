@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 namespace stator::drivers::baro::sim {
 
@@ -9,6 +10,12 @@ struct BaroSimSample {
     uint64_t timestamp_sample = 0;  // us
     float pressure = 0.0F;          // Pa
     float temperature_degc = 0.0F;
+
+    // For faults.
+    template <class Visit>
+    void each_quantity(Visit&& visit) {
+        visit("pressure", std::span<float>(&pressure, 1));
+    }
 };
 
 }  // namespace stator::drivers::baro::sim

@@ -3,6 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
+
+#include "stator/scalar.hpp"
 
 namespace stator::drivers::gnss::sim {
 
@@ -17,6 +20,19 @@ struct GnssSimSample {
     float vertical_error = 0.0F;        // m
     float speed_error = 0.0F;           // m/s
     uint32_t satellites = 0;            // fewer than 4: no fix
+
+    // For faults: the velocity, and the position in metres north, east, down from where it is.
+    template <class Visit>
+    void each_quantity(Visit&& visit) {
+        constexpr double kMetresPerDegree = 111'320.0;
+        constexpr double kDegree = math::kPi<double> / 180.0;
+        std::array<double, 3> shift{};
+        visit("velocity", std::span<float>(velocity_N));
+        visit("position", std::span<double>(shift));
+        latitude_deg += shift[0] / kMetresPerDegree;
+        longitude_deg += shift[1] / (kMetresPerDegree * math::sincos(kDegree * latitude_deg).cos);
+        altitude_msl_m -= shift[2];
+    }
 };
 
 }  // namespace stator::drivers::gnss::sim

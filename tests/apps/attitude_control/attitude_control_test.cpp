@@ -173,11 +173,12 @@ TEST_F(AttitudeControlTest, by_hand_the_sticks_are_the_attitude) {
     EXPECT_NEAR(newest_.thrust_body[2], -params_.stick_hover, 1e-6F);
 }
 
-TEST_F(AttitudeControlTest, the_throttle_goes_from_nothing_to_the_most) {
+TEST_F(AttitudeControlTest, the_throttle_goes_from_what_keeps_the_attitude_to_the_most) {
     status_.nav_state = VehicleStatus::NavState::kManual;
     sticks_ = {.valid = true, .throttle = -1.0F};
     rates_at(Quaternion<float>::Identity());
-    EXPECT_EQ(newest_.thrust_body[2], 0.0F);
+    EXPECT_NEAR(newest_.thrust_body[2], -params_.stick_least, 1e-6F);
+    EXPECT_GE(params_.stick_least, 0.1F);
     sticks_.throttle = 1.0F;
     rates_at(Quaternion<float>::Identity());
     EXPECT_NEAR(newest_.thrust_body[2], -params_.stick_most, 1e-6F);

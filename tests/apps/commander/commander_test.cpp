@@ -36,6 +36,8 @@ class CommanderTest : public ::testing::Test {
             .now = now_us_,
             .position = Input(position_),
             .land = Input(land_),
+            .progress = Input(progress_),
+            .estimator = Input(estimator_),
             .result = Input(result_),
             .fence = Input(fence_),
             .sticks = has_sticks_ ? Input(sticks_) : Input<ManualControlSetpoint>(),
@@ -103,6 +105,8 @@ class CommanderTest : public ::testing::Test {
     Commander node_;
     VehicleLocalPosition position_{};
     VehicleLandDetected land_{};
+    TrajectoryProgress progress_{};
+    EstimatorStatus estimator_{};
     MissionResult result_{};
     GeofenceResult fence_{};
     ManualControlSetpoint sticks_{};
@@ -193,6 +197,23 @@ TEST_F(CommanderTest, the_estimate_must_have_been_good_for_a_while) {
     EXPECT_TRUE(health_.estimator_ok);
 }
 
+TEST_F(CommanderTest, sensors_that_do_not_agree_keep_it_disarmed) {
+    run(4.0F);
+    ASSERT_TRUE(health_.estimator_ok);
+    for (float EstimatorStatus::*ratio :
+         {&EstimatorStatus::vel_test_ratio, &EstimatorStatus::pos_test_ratio,
+          &EstimatorStatus::hgt_test_ratio, &EstimatorStatus::mag_test_ratio}) {
+        estimator_.*ratio = 0.6F;
+        step();
+        EXPECT_FALSE(health_.estimator_ok);
+        estimator_.*ratio = 0.1F;
+        run(params_.settle_time - 0.1F);
+        EXPECT_FALSE(health_.estimator_ok);
+        run(0.2F);
+        EXPECT_TRUE(health_.estimator_ok);
+    }
+}
+
 TEST_F(CommanderTest, a_mission_is_only_needed_by_who_wants_to_fly_it) {
     result_.valid = false;
     run(4.0F);
@@ -275,15 +296,88 @@ TEST_F(CommanderTest, a_failsafe_before_the_take_off_disarms) {
     EXPECT_FALSE(is_armed());
 }
 
-TEST_F(CommanderTest, a_descent_that_nobody_sees_end_disarms) {
+TEST_F(CommanderTest, a_descent_without_a_height_ends_when_the_last_one_must_be_gone) {
     fly(Nav::kHold);
+    position_.z = -20.0F;
+    step();
     position_.xy_valid = position_.z_valid = false;
     run(1.0F);
     ASSERT_EQ(status_.nav_state, Nav::kDescend);
-    run(params_.blind_limit - 2.0F);
+    run(params_.blind_margin + 20.0F / params_.blind_sink - 3.0F);
     EXPECT_TRUE(is_armed());
-    run(3.0F);
+    run(4.0F);
     EXPECT_FALSE(is_armed());
+}
+
+TEST_F(CommanderTest, a_descent_whose_height_is_known_ends_on_the_ground_alone) {
+    fly(Nav::kHold);
+    position_.z = -20.0F;
+    position_.xy_valid = false;
+    run(600.0F);
+    EXPECT_EQ(status_.nav_state, Nav::kDescend);
+    EXPECT_TRUE(is_armed());
+    land_.landed = true;
+    run(params_.disarm_after + 0.1F);
+    EXPECT_FALSE(is_armed());
+}
+
+// --- on the ground ---
+
+TEST_F(CommanderTest, landed_by_hand_each_lost_thing_disarms_and_leads_nowhere) {
+    const std::array<std::function<void()>, 4> losses{
+        [&] { sticks_.valid = false; }, [&] { position_.xy_valid = position_.z_valid = false; },
+        [&] { battery_.warning = Warning::kCritical; }, [&] { escs_.esc_online_flags = 0b1011; }};
+    for (const auto& lose : losses) {
+        node_ = {};
+        position_.xy_valid = position_.z_valid = sticks_.valid = true;
+        battery_.warning = Warning::kNone;
+        escs_.esc_online_flags = 0b1111;
+        land_.landed = true;
+        switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
+        fly(Nav::kPosition);
+        land_.landed = true;
+        run(params_.landed_time + 0.1F);
+        ASSERT_TRUE(is_armed());
+        lose();
+        for (float t = 0.0F; t < 2.0F; t += 0.02F) {
+            step();
+            EXPECT_EQ(status_.nav_state, Nav::kPosition);
+        }
+        EXPECT_FALSE(is_armed());
+    }
+}
+
+TEST_F(CommanderTest, what_only_just_landed_may_still_be_in_the_air) {
+    fly(Nav::kPosition);
+    land_.landed = true;
+    run(0.5F * params_.landed_time);
+    battery_.warning = Warning::kCritical;
+    step();
+    EXPECT_TRUE(is_armed());
+    EXPECT_EQ(status_.nav_state, Nav::kLand);
+}
+
+TEST_F(CommanderTest, on_the_ground_the_return_switch_starts_nothing) {
+    run(4.0F);
+    set_arm_switch(true);
+    switches_.return_switch = ManualControlSwitches::ReturnSwitch::kOn;
+    run(1.0F);
+    EXPECT_EQ(status_.nav_state, Nav::kHold);
+}
+
+TEST_F(CommanderTest, a_crash_ends_it_in_the_air_and_on_the_ground) {
+    for (const bool landed : {false, true}) {
+        node_ = {};
+        land_ = {.landed = true};
+        switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
+        fly(Nav::kMission);
+        land_.landed = landed;
+        run(2.0F);
+        land_.crashed = true;
+        step();
+        EXPECT_FALSE(is_armed());
+        EXPECT_EQ(status_.failsafe_event, Event::kCrashed);
+    }
 }
 
 // --- modes ---
@@ -377,7 +471,12 @@ TEST_F(CommanderTest, a_lost_motor_controller_leads_down_but_where_a_pilot_holds
         escs_.esc_online_flags = 0b1111;
         switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
         land_.landed = true;
-        fly(mode);
+        if (mode == Nav::kReturn) {
+            fly(Nav::kHold);
+            choose(mode);
+        } else {
+            fly(mode);
+        }
         escs_.esc_online_flags = 0b1011;
         step();
         EXPECT_EQ(status_.nav_state, Nav::kLand) << static_cast<int>(mode);
@@ -459,6 +558,17 @@ TEST_F(CommanderTest, a_landing_after_a_forced_return_is_forced_too) {
     step();
     EXPECT_EQ(status_.nav_state, Nav::kLand);
     EXPECT_EQ(status_.failsafe_event, Event::kRcLost);
+}
+
+TEST_F(CommanderTest, what_cannot_follow_lands_where_it_is) {
+    fly(Nav::kMission);
+    progress_.lags_for = params_.lag_limit - 0.1F;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kMission);
+    progress_.lags_for = params_.lag_limit;
+    step();
+    EXPECT_EQ(status_.nav_state, Nav::kLand);
+    EXPECT_EQ(status_.failsafe_event, Event::kCannotFollow);
 }
 
 // Whatever events come and go, a vehicle in the air stays armed, unless someone kills it.

@@ -24,9 +24,13 @@ class LandDetectorTest : public ::testing::Test {
                                 .setpoint = Input(setpoint_),
                                 .thrust = Input(thrust_),
                                 .status = Input(status_),
+                                .accel = Input(accel_),
+                                .gyro = Input(gyro_),
+                                .attitude = Input(attitude_),
                                 .params = Input(params_)};
         testing::Probe land(ports.land, now_us_);
         node_.step(ports);
+        crashed_ = land.newest().crashed;
         return land.newest().landed;
     }
     bool run(float seconds) {
@@ -40,7 +44,17 @@ class LandDetectorTest : public ::testing::Test {
         ASSERT_FALSE(step());
     }
 
+    void lie(float roll) {
+        attitude_.q = math::to_array(math::from_euler(math::EulerAngles<float>{roll, 0.0F, 0.0F}));
+        const math::SinCos<float> turn = math::sincos(roll);
+        accel_.xyz = {0.0F, -9.81F * turn.sin, -9.81F * turn.cos};
+    }
+
     LandDetector node_;
+    SensorAccel accel_{.xyz = {0.0F, 0.0F, -9.81F}};
+    SensorGyro gyro_{};
+    VehicleAttitude attitude_{.q = {1.0F, 0.0F, 0.0F, 0.0F}};
+    bool crashed_ = false;
     VehicleLocalPosition position_{};
     TrajectorySetpoint setpoint_{};
     VehicleThrustSetpoint thrust_{};
@@ -63,6 +77,19 @@ TEST_F(LandDetectorTest, armed_it_stands_until_it_is_higher_or_moves) {
     EXPECT_FALSE(step());
 }
 
+TEST_F(LandDetectorTest, an_estimate_that_drifts_is_no_flight) {
+    thrust_.xyz[2] = -0.1F;
+    step();
+    for (float z = 0.0F; z > -5.0F; z -= 0.01F) {
+        position_.z = z;
+        position_.vz = -0.7F;
+        ASSERT_TRUE(step());
+    }
+    position_.vz = 0.0F;
+    thrust_.xyz[2] = -0.5F;  // and counts from where it has got
+    EXPECT_TRUE(run(1.0F));
+}
+
 TEST_F(LandDetectorTest, has_landed_where_light_thrust_and_no_sinking_last) {
     fly();
     thrust_.xyz[2] = -0.2F;
@@ -78,7 +105,8 @@ TEST_F(LandDetectorTest, flies_while_one_of_these_is_missing) {
     EXPECT_FALSE(run(2.0F));  // it sinks
     position_.vz = 0.0F;
     setpoint_.velocity[2] = 0.0F;
-    EXPECT_FALSE(run(2.0F));  // it need not sink
+    thrust_.xyz[2] = -0.3F;
+    EXPECT_FALSE(run(2.0F));  // it need not sink, and the thrust is not so little
     setpoint_.velocity[2] = 0.5F;
     setpoint_.acceleration[2] = -1.0F;
     EXPECT_FALSE(run(2.0F));  // it is still braking
@@ -111,7 +139,78 @@ TEST_F(LandDetectorTest, what_only_seemed_to_have_landed_flies_as_soon_as_it_fal
     thrust_.xyz[2] = -0.2F;
     ASSERT_TRUE(run(0.5F));
     position_.vz = 0.7F;
+    EXPECT_TRUE(step());
+    position_.az = 5.0F;
     EXPECT_FALSE(step());
+}
+
+TEST_F(LandDetectorTest, without_a_sinking_setpoint_it_lands_after_a_while_with_hardly_any_thrust) {
+    fly();
+    setpoint_.velocity[2] = math::canonical_nan<float>();
+    thrust_.xyz[2] = -0.1F;
+    EXPECT_FALSE(run(0.9F));
+    EXPECT_TRUE(run(0.2F));
+}
+
+TEST_F(LandDetectorTest, what_falls_has_not_landed) {
+    fly();
+    setpoint_.velocity[2] = 0.0F;
+    thrust_.xyz[2] = -0.1F;
+    position_.az = 5.0F;
+    EXPECT_FALSE(run(3.0F));
+}
+
+TEST_F(LandDetectorTest, without_a_height_an_impact_in_a_descent_and_rest_after_it_count) {
+    fly();
+    position_.z_valid = position_.v_z_valid = false;
+    status_.nav_state = VehicleStatus::NavState::kDescend;
+    EXPECT_FALSE(run(3.0F));
+    accel_.xyz[2] = -25.0F;
+    EXPECT_FALSE(step());
+    accel_.xyz[2] = -9.81F;
+    EXPECT_FALSE(run(0.4F));
+    EXPECT_TRUE(run(0.4F));
+}
+
+TEST_F(LandDetectorTest, it_has_crashed_when_it_lies_upside_down_or_on_its_side) {
+    for (const float roll : {1.57F, 3.1F, -1.6F}) {
+        node_ = {};
+        position_.z = 0.0F;
+        lie(0.0F);
+        fly();
+        lie(roll);
+        run(0.6F);
+        EXPECT_FALSE(crashed_);
+        run(0.6F);
+        EXPECT_TRUE(crashed_) << roll;
+        status_.arming_state = VehicleStatus::ArmingState::kDisarmed;
+        step();
+        EXPECT_FALSE(crashed_);
+        status_.arming_state = VehicleStatus::ArmingState::kArmed;
+    }
+}
+
+TEST_F(LandDetectorTest, what_flies_tilted_or_tumbles_has_not_crashed) {
+    fly();
+    lie(3.1F);
+    accel_.xyz = {0.0F, 0.0F, -9.81F};  // its own thrust
+    gyro_.xyz = {0.5F, 0.0F, 0.0F};     // with which it turns back
+    run(3.0F);
+    EXPECT_FALSE(crashed_);
+    gyro_ = {};  // what does not turn does not fly
+    run(1.6F);
+    EXPECT_TRUE(crashed_);
+    lie(3.1F);
+    gyro_.xyz = {4.0F, 0.0F, 0.0F};
+    run(3.0F);
+    EXPECT_FALSE(crashed_);
+    lie(0.0F);
+    gyro_ = {};
+    accel_.xyz = {0.0F, 0.0F, 9.81F};  // a sensor that is wrong, or an attitude
+    run(2.5F);
+    EXPECT_FALSE(crashed_);
+    run(1.0F);
+    EXPECT_TRUE(crashed_);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "stator/testing.hpp"
 
 namespace stator::apps::position_control {
@@ -175,11 +177,16 @@ TEST_F(PositionControlTest, tilt_is_limited_and_the_weight_still_carried) {
     EXPECT_NEAR(acceleration().z(), 0.0F, 1e-3F);
 }
 
+// Which leaves a margin to steer with.
 TEST_F(PositionControlTest, height_goes_before_direction_at_full_thrust) {
     params_.horizontal_velocity_p = 10.0F;
     params_.vertical_velocity_p = 15.0F;
     spool_up();
     setpoint_.position = {100.0F, 0.0F, -100.0F};
+    step();
+    EXPECT_NEAR(thrust(), 0.9F, 1e-4F);
+    EXPECT_NEAR(math::tilt(attitude()), std::asin(params_.lean_margin), 1e-3F);
+    setpoint_.position[0] = 0.0F;
     step();
     EXPECT_NEAR(thrust(), 0.9F, 1e-4F);
     EXPECT_LT(math::tilt(attitude()), 1e-2F);

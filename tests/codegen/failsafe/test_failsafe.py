@@ -19,26 +19,34 @@ from stator.graph.messages import find_message
 from stator.graph.sources import Sources
 
 TABLE = HOME / "apps" / "commander" / "failsafe.yaml"
+TABLES = ("table", "landed")  # in the air, and on the ground
 URGENCY = [
-    "estimator_invalid", "position_lost", "motor_lost", "geofence", "battery_critical", "rc_lost",
-    "mission_lost", "battery_low",
+    "crashed", "estimator_invalid", "position_lost", "motor_lost", "geofence", "battery_critical",
+    "rc_lost", "cannot_follow", "mission_lost", "battery_low",
 ]  # fmt: skip
 
 
 def load() -> dict[str, Any]:
-    """The file, with the table as mode -> event -> mode."""
+    """The file, with the tables as mode -> event -> mode."""
     content: dict[str, Any] = yaml.safe_load(TABLE.read_text(encoding="utf-8"))
-    columns = content["table"].pop("event")
-    content["table"] = {
-        mode: dict(zip(columns, row, strict=True)) for mode, row in content["table"].items()
-    }
+    for name in TABLES:
+        columns = content[name].pop("event")
+        content[name] = {
+            mode: dict(zip(columns, row, strict=True)) for mode, row in content[name].items()
+        }
     return content
 
 
 def read(content: dict[str, Any], folder: Path) -> bool:
     """Whether Stator takes the table, as load has it."""
-    rows = {mode: list(row.values()) for mode, row in content["table"].items()}
-    return read_rows({**content, "table": {"event": URGENCY, **rows}}, folder)
+    tables = {
+        name: {
+            "event": list(URGENCY),
+            **{mode: list(row.values()) for mode, row in content[name].items()},
+        }
+        for name in TABLES
+    }
+    return read_rows({**content, **tables}, folder)
 
 
 def read_rows(content: dict[str, Any], folder: Path) -> bool:
@@ -67,13 +75,26 @@ def is_sound(content: dict[str, Any]) -> bool:
             reachable[m] |= {far for near in reachable[m] for far in reachable[near]}
     if any(m in reachable[m] for m in modes):
         return False
-    sets = [set(c) for n in range(len(URGENCY) + 1) for c in combinations(URGENCY, n)]
+    # A mode stays where each of the events lets it stay, so more than two at once show no more.
+    sets = [set(c) for n in range(3) for c in combinations(URGENCY, n)]
     for mode in modes:
         for active in sets:
             if any(next_mode(content, mode, e) != mode for e in active):
                 continue
             takes = {w for e in active for w in content["events"][e].get("without", [])}
             if takes & set(content["needs"][mode]):
+                return False
+    return is_sound_on_the_ground(content)
+
+
+def is_sound_on_the_ground(content: dict[str, Any]) -> bool:
+    """Nothing but disarming changes anything, and what goes on has what it needs."""
+    for mode, row in content["landed"].items():
+        for event, cell in row.items():
+            takes = set(content["events"][event].get("without", []))
+            if cell not in ("disarm", "go_on"):
+                return False
+            if cell == "go_on" and takes & set(content["needs"][mode]):
                 return False
     return True
 
@@ -97,12 +118,22 @@ def test_agrees_with_brute_force_on_changed_tables(seed: int, tmp_path: Path) ->
         for _ in range(draw.randrange(1, 3)):
             event = draw.choice(URGENCY)
             content["table"][draw.choice(modes)][event] = draw.choice([*modes, "go_on"])
+            if draw.random() < 0.2:
+                content["landed"][draw.choice(modes)][event] = draw.choice(["go_on", "disarm"])
         verdicts.append(is_sound(content))
         assert read(content, tmp_path) == verdicts[-1], content["table"]
     assert len(set(verdicts)) == 2  # both kinds were drawn
 
 
-@pytest.mark.parametrize("part", ["events", "needs", "table"])
+def test_on_the_ground_no_event_may_change_the_mode(tmp_path: Path) -> None:
+    """Whatever the mode and the event: a return from the ground would be a take-off."""
+    for mode in load()["table"]:
+        content = load()
+        content["landed"][mode]["rc_lost"] = "return"
+        assert not read(content, tmp_path), mode
+
+
+@pytest.mark.parametrize("part", ["events", "needs", "table", "landed"])
 def test_nothing_may_be_left_out(part: str, tmp_path: Path) -> None:
     for key in load()[part]:
         content = load()
@@ -113,10 +144,11 @@ def test_nothing_may_be_left_out(part: str, tmp_path: Path) -> None:
 def test_every_row_has_a_cell_for_every_event(tmp_path: Path) -> None:
     content = yaml.safe_load(TABLE.read_text(encoding="utf-8"))
     assert read_rows(content, tmp_path)
-    for key in content["table"]:
-        for change in (lambda row: [*row, row[-1]], lambda row: row[:-1]):
-            table = {**content["table"], key: change(content["table"][key])}
-            assert not read_rows({**content, "table": table}, tmp_path), key
+    for name in TABLES:
+        for key in content[name]:
+            for change in (lambda row: [*row, row[-1]], lambda row: row[:-1]):
+                table = {**content[name], key: change(content[name][key])}
+                assert not read_rows({**content, name: table}, tmp_path), key
 
 
 def test_the_columns_are_named_in_the_order_of_urgency(tmp_path: Path) -> None:
@@ -129,6 +161,8 @@ def test_the_columns_are_named_in_the_order_of_urgency(tmp_path: Path) -> None:
 
 def test_the_table_is_aligned() -> None:
     """A person reads it as a table: each column starts in one place."""
-    lines = TABLE.read_text(encoding="utf-8").split("table:\n")[1].splitlines()
-    starts = [[m.start() for m in re.finditer(r"(?<=[\[ ])[a-z]", line[3:])] for line in lines]
-    assert len(set(map(tuple, starts))) == 1
+    air, ground = TABLE.read_text(encoding="utf-8").split("\ntable:")[1].split("\nlanded:")
+    for table in (air, ground):
+        lines = table.splitlines()[1:]
+        starts = [[m.start() for m in re.finditer(r"(?<=[\[ ])[a-z]", line[3:])] for line in lines]
+        assert len(set(map(tuple, starts))) == 1
