@@ -75,9 +75,11 @@ NAMES = {
     180: "set parameter", 185: "termination", 186: "change altitude", 188: "return path",
     190: "rally land", 191: "go around", 192: "reposition", 193: "pause", 194: "reverse",
     207: "fence enable", 208: "parachute", 209: "motor test", 210: "inverted flight",
-    212: "autotune", 215: "resume after", 218: "auxiliary function", 222: "guided limits", 223: "engine control",
+    212: "autotune", 215: "resume after", 218: "auxiliary function", 222: "guided limits",
+    223: "engine control",
     252: "pause or continue", 300: "mission start", 400: "arm", 601: "jump to tag",
-    2600: "control at high latency", 4501: "condition gate", 5000: "fence return point", 5001: "fence", 5002: "fence", 5003: "fence", 5004: "fence",
+    2600: "control at high latency", 4501: "condition gate", 5000: "fence return point",
+    5001: "fence", 5002: "fence", 5003: "fence", 5004: "fence",
     5005: "fence", 5100: "rally point",
     42700: "script", 42702: "script",
 }  # fmt: skip
