@@ -43,10 +43,10 @@ enum class ItemKind : uint16_t {
 
 // What stays in a mission and is passed by: marks, and work for devices that this vehicle lacks
 // (cameras, gimbals, servos, a wing).
-inline constexpr std::array<uint16_t, 39> kPassedBy{
-    181,  182,  183,  184,  189,  196,  202,  203,  204,  205,  206,   211,  214,
-    220,  221,  531,  532,  530,  534,  1000, 1001, 2000, 2001, 2003,  2004, 2005,
-    2010, 2500, 2501, 2502, 2510, 2511, 2800, 3000, 3001, 5300, 42600, 600,  601};
+inline constexpr std::array<uint16_t, 34> kPassedBy{
+    181,  182,  183,  184,  189,  196,  202,  203,  204,  205,  206,  211,
+    214,  220,  530,  531,  532,  534,  600,  1000, 1001, 2000, 2001, 2003,
+    2004, 2005, 2010, 2500, 2501, 2502, 2503, 2800, 3000, 42600};
 
 enum class Frame : uint8_t {
     kGlobal = 0,       // height above mean sea level

@@ -67,6 +67,7 @@ NAMES = {
     532: "camera focus", 534: "camera source", 600: "jump tag", 1000: "gimbal pitch and yaw",
     1001: "gimbal configuration", 2000: "take photos", 2001: "stop photos", 2003: "camera trigger",
     2004: "camera tracking", 2010: "camera tracking stop", 2500: "start video", 2501: "stop video",
+    2502: "start stream", 2503: "stop stream", 2800: "panorama",
     3000: "VTOL transition", 42600: "winch",
     # What it refuses.
     23: "local landing", 24: "local take-off", 32: "follow", 33: "follow", 34: "orbit",
@@ -76,20 +77,18 @@ NAMES = {
     190: "rally land", 191: "go around", 192: "reposition", 193: "pause", 194: "reverse",
     207: "fence enable", 208: "parachute", 209: "motor test", 210: "inverted flight",
     212: "autotune", 215: "resume after", 218: "auxiliary function", 222: "guided limits",
-    223: "engine control",
-    252: "pause or continue", 300: "mission start", 400: "arm", 601: "jump to tag",
-    2600: "control at high latency", 4501: "condition gate", 5000: "fence return point",
-    5001: "fence", 5002: "fence", 5003: "fence", 5004: "fence",
-    5005: "fence", 5100: "rally point",
-    42700: "script", 42702: "script",
+    223: "engine control", 252: "pause or continue", 300: "mission start", 400: "arm",
+    601: "jump to tag", 2600: "control at high latency", 4501: "condition gate",
+    5000: "fence return point", 5001: "fence", 5002: "fence", 5003: "fence", 5004: "fence",
+    5005: "fence", 5100: "rally point", 42700: "script", 42702: "script",
 }  # fmt: skip
 # Why a device is missing, for what the vehicle passes by without doing it.
 _DEVICES = (
     ("gimbal", (204, 205, 220, 1000, 1001)),
     ("camera", (196, 202, 203, 206, 214, 530, 531, 532, 534, 2000, 2001, 2003, 2004, 2005, 2010)),
-    ("camera", (2500, 2501, 2502, 2510, 2511, 2800)),
+    ("camera", (2500, 2501, 2502, 2503, 2800)),
     ("servo, relay, gripper or winch", (181, 182, 183, 184, 211, 42600)),
-    ("wing", (3000, 3001)),
+    ("wing", (3000,)),
 )
 
 

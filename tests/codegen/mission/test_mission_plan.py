@@ -282,6 +282,10 @@ def test_all_errors_come_at_once_and_in_order(tmp_path: Path) -> None:
     [
         (plan(TAKE_OFF, item(4711, 0, 0, 0, 0, 0, 0, 0)), "item 2 is 'unknown command' (4711)"),
         (
+            plan(TAKE_OFF, item(601, 1, 1, 0, 0, 0, 0, 0)),
+            "item 2 is 'jump to tag' (601), which is not supported",
+        ),
+        (
             plan(TAKE_OFF, {"type": "ComplexItem", "complexItemType": "spiral"}),
             "item 2 is a spiral, which is not supported",
         ),
