@@ -9,17 +9,23 @@ from pathlib import Path
 import pytest
 
 from stator import HOME
-from stator.build.cmake import NO_WALLS, build
+from stator.build.cmake import NO_WALLS, build, configure
 from stator.diagnostics import BuildFailed
 
 ODR = {"STATOR_ODR": "ON"}
+
+
+def host_board(graph: Path) -> str | None:
+    """None: the graph's own, which is not bare metal."""
+    return "sitl" if "board: fmu_v2" in graph.read_text().splitlines() else None
+
+
 # Between them all apps and all drivers of hosts.
 HOSTS = [("graph/quad_outdoor.yaml", "sitl"), ("graph/quad_can.yaml", "linux")]
+FILES = sorted([*(HOME / "graph").glob("*.yaml"), *(HOME / "graph" / "examples").glob("*.yaml")])
+GRAPHS = [(str(file.relative_to(HOME)), host_board(file)) for file in FILES]
 # Nodes of tests, on boards of tests.
 OTHERS = [
-    ("graph/quad_can.yaml", "sitl"),
-    ("graph/navigation_recording.yaml", None),
-    ("tests/apps/parameters/graphs/tuned_quad.yaml", "sitl"),
     ("tests/codegen/replay/graph/mixed.yaml", "sitl"),
     ("tests/conformance/graphs/conformance.yaml", "virtual"),
     ("tests/conformance/graphs/conformance.yaml", "threads"),
@@ -32,9 +38,17 @@ def test_a_graph_has_one_definition_of_each_name(graph: str, board: str) -> None
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("graph", "board"), OTHERS)
+@pytest.mark.parametrize(
+    ("graph", "board"), [pair for pair in [*GRAPHS, *OTHERS] if pair not in HOSTS]
+)
 def test_another_graph_has_one_definition_of_each_name(graph: str, board: str | None) -> None:
     assert build(HOME / graph, board, ODR | NO_WALLS).is_file()
+
+
+@pytest.mark.long
+def test_the_programs_of_tests_have_one_definition_of_each_name() -> None:
+    """With the graphs that only CMake knows."""
+    configure(HOME / "build" / "host-odr", ["-DSTATOR_ODR=ON"], ["all"])
 
 
 @pytest.mark.long
