@@ -93,13 +93,15 @@ def change(file: Path, lines: list[str]) -> None:
 
 def add_column(file: Path, event: str) -> None:
     """What step 2 of "A failsafe event" says in words."""
-    head, table = file.read_text(encoding="utf-8").split("\ntable:\n")
-    rows = [line.removesuffix("]") for line in table.splitlines()]
-    assert rows[0].startswith("  event:")
-    width = max(map(len, rows)) + 1
-    cells = [event] + ["go_on"] * (len(rows) - 1)
-    table = "".join(f"{f'{row},':{width}} {cell}]\n" for row, cell in zip(rows, cells, strict=True))
-    file.write_text(f"{head}\ntable:\n{table}", encoding="utf-8")
+    parts = re.split(r"(\n(?:table|landed):.*\n)", file.read_text(encoding="utf-8"))
+    for i in (2, 4):  # in the air, and on the ground
+        rows = [line.removesuffix("]") for line in parts[i].splitlines()]
+        assert rows[0].startswith("  event:")
+        width = max(map(len, rows)) + 1
+        cells = [event] + ["go_on"] * (len(rows) - 1)
+        lines = zip(rows, cells, strict=True)
+        parts[i] = "".join(f"{f'{row},':{width}} {cell}]\n" for row, cell in lines)
+    file.write_text("".join(parts), encoding="utf-8")
 
 
 def follow(recipe: str, root: Path) -> None:
