@@ -41,7 +41,7 @@ stator_add_mutant(head_before_ring
 stator_add_mutant(number_after_history
     FROM "    topic.number[loaned.slot].store(head + 1);\n    if (topic.depth == 1) {"
     TO "    if (topic.depth == 1) state.history.store(mask);\n    topic.number[loaned.slot].store(head + 1);\n    if (topic.depth == 1) {"
-    RUN --depth 1 "1w 2q")
+    RUN --depth 1 "1r 2w 3q")
 
 # --- slots in turn ---
 stator_add_mutant(turn_not_taken
@@ -87,7 +87,7 @@ stator_add_mutant(loan_not_given_back
 stator_add_mutant(newest_not_kept
     FROM "topic.state->load(free, kept);"
     TO "free = topic.state->free.load();"
-    RUN --depth 1 "1w 2r")
+    RUN --depth 1 "1r 2w 3r")
 stator_add_mutant(ring_of_depth
     FROM "2U * topic.depth - 1"
     TO "1U * topic.depth - 1"
