@@ -147,6 +147,7 @@ def made_program(seed: int, folder: Path) -> Path:
     checks = "".join(
         f'    require(topics::{name}.state->free.load() == all_slots({topic.slots}), "{name}");\n'
         for name, topic in topics.items()
+        if not topic.takes_turns  # then nothing is marked
     )
     idle = '#include "topics.hpp"\nnamespace stator {\ninline void check_idle() {\n'
     (out / "idle.hpp").write_text(f"#pragma once\n{idle}{checks}}}\n}}\n", encoding="utf-8")

@@ -56,8 +56,7 @@ class Collector {
         return has(ports.i0) || has(ports.i1) || has(ports.i2);
     }
     static void look_at(const Topic& topic, const Pin& pin, unsigned points) {
-        const auto* const at =
-            static_cast<const std::byte*>(topic.samples) + size_t{pin.slot} * topic.sample_bytes;
+        const std::byte* const at = sample_of(topic, pin);
         const std::vector<std::byte> before(at, at + topic.sample_bytes);
         for (unsigned i = 0; i < points; ++i) preemption_point();
         require(std::memcmp(at, before.data(), before.size()) == 0, "a logged sample changed");
