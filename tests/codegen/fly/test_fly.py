@@ -77,7 +77,8 @@ def test_flight_that_is_cut_short_fails_and_says_why(tmp_path: Path) -> None:
     finished = fly("--duration", "10", "-o", tmp_path / "flight.ulg")
     assert finished.returncode == 1
     assert "quad on sitl, seed 1: FAILED" in finished.stdout
-    why = "reason    --duration 10 s ended the flight early\n"
+    assert "reason    broken invariant: armed_at_the_end at 10.00 s" in finished.stdout
+    why = "            --duration 10 s ended the flight early\n"
     assert f"{why}            not landed and disarmed: at 10.00 s in mode " in finished.stdout
     assert str(tmp_path / "flight.ulg") in finished.stdout
 

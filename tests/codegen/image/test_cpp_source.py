@@ -41,6 +41,6 @@ def test_modes_and_events_are_those_of_the_message() -> None:
     """PX4's numbers, and two words of our own."""
     assert NAV_STATES[0] == "manual"
     assert (NAV_STATES[17], NAV_STATES[18]) == ("take-off", "landing")
-    assert FAILSAFE_EVENTS[6] == "rc_lost"
+    assert FAILSAFE_EVENTS[7] == "rc_lost"
     assert 0 not in FAILSAFE_EVENTS
     assert DISARMED == 1

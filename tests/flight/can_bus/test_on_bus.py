@@ -28,7 +28,7 @@ BENCH = "tests.flight.can_bus.bench"
 # A second of a flight takes 1.4 s of a processor on user-mode Linux.
 SPEED = 0.25
 BUS_OFF, DOWN = 3, 4  # CanInterfaceStatus
-MOTOR_LOST = 3  # VehicleStatus.failsafe_event
+MOTOR_LOST = 4  # VehicleStatus.failsafe_event
 ARMED, LAND = 2, 18
 
 
