@@ -9,7 +9,7 @@
 namespace stator::apps::land_detector {
 
 // Runs with every estimate. It has landed while disarmed, and armed until the thrust can carry it
-// and it is above where it stood, or moves up or down: an estimate that drifts is no flight. In
+// and it is above where it stood, or moves up or down: a drifting estimate is not a flight. In
 // flight it has landed when for a while it does not sink, does not accelerate, and thrust is too
 // little to carry it: the ground does. A setpoint that sinks makes that certain sooner. After an
 // impact it need only be still, and sooner again: a vehicle that leans against the wind falls over

@@ -184,7 +184,7 @@ bool Geofence::is_left_between(const Vector3<float>& from_N, const Vector3<float
     for (unsigned i = 0; i + 1 < count; ++i) {
         const float part = 0.5F * (crossings.at(i) + crossings.at(i + 1));
         const Point point{from_N.x() + part * way.x, from_N.y() + part * way.y};
-        // Two borders at one place: a way along a common edge is no way out.
+        // Two borders at one place: a way along a common edge does not lead out.
         if (crossings.at(i + 1) - crossings.at(i) > 1e-6F && !is_in_areas(point, home)) return true;
     }
     return false;

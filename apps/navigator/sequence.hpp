@@ -28,7 +28,7 @@ class Sequence {
         kPlace,    // `item` is to be flown
         kWaiting,  // for a condition
         kMissing,  // for an item that is not there yet
-        kOver,     // there is no other
+        kOver,     // no item is left
     };
     struct Speeds {  // m/s; not a number: the trajectory's own
         float horizontal = math::canonical_nan<float>();

@@ -47,7 +47,7 @@ bool RealWorld::begin() {
 }
 
 void RealWorld::end() {
-    ends_.store(true);
+    end_us_.store(clock_us());
     pthread_join(thread_, nullptr);
 }
 
@@ -56,7 +56,7 @@ void RealWorld::run() {
     while (true) {
         const std::uint64_t event_us = world_.next_event_us();
         sleep_until_us(event_us);
-        if (ends_.load()) return;
+        if (event_us > end_us_.load()) return;  // all that was due by then happens
         obey(event_us);
         world_.move_to_next_event();
         measure();

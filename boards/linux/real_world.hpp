@@ -61,7 +61,7 @@ class RealWorld {
     bool truth_is_whole_ = false;
     std::uint64_t missed_samples_ = 0;
     pthread_t thread_{};
-    std::atomic<bool> ends_{false};
+    std::atomic<std::uint64_t> end_us_{UINT64_MAX};
     Mutex mutex_;
     std::array<Command, kMaxCommands> commands_{};  // under the mutex, and so is the next
     unsigned command_count_ = 0;

@@ -36,8 +36,8 @@ class RecordStream {
 
     // --- for the wrapper of a task: one record, from `begin` to `end` ---
 
-    // Where a part of a record is written, in registers until it is complete. Whoever begins one
-    // has asked for room for the most that it can be.
+    // Where a part of a record is written, in registers until it is complete. The caller has asked
+    // for room for the most that it can be.
     class Part {
       public:
         [[gnu::always_inline]] explicit Part(RecordStream& stream)

@@ -533,7 +533,7 @@ TEST_F(NavigatorTest, it_says_how_the_vehicle_left_the_fence) {
     EXPECT_TRUE(fence_.geofence_custom_fence_triggered);
     status_.arming_state = VehicleStatus::ArmingState::kDisarmed;
     step();
-    EXPECT_FALSE(fence_.geofence_custom_fence_triggered) << "on the ground it is no matter";
+    EXPECT_FALSE(fence_.geofence_custom_fence_triggered) << "on the ground it does not count";
 }
 
 // --- other items ---

@@ -199,7 +199,7 @@ def test_a_run_ends_in_order_while_somebody_looks(tmp_path: Path) -> None:
     assert errors == ""
     facts = json.loads(output)
     assert facts["reason"].endswith("ran to its end")  # a busy machine may miss life signs
-    assert facts["duration_s"] >= 1.49
+    assert facts["duration_s"] >= 1.5
     assert facts["link"] == str(link)
     assert not link.exists()
 

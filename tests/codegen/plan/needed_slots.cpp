@@ -24,7 +24,7 @@
 namespace {
 
 constexpr int8_t kNone = -1;
-constexpr int8_t kFresh = 100;  // named anew with the state
+constexpr int8_t kFresh = 100;  // named again with the state
 constexpr int8_t kAnyNumber = 100;
 constexpr unsigned kMaxPins = 4;
 

@@ -210,7 +210,7 @@ void World::check_loaned(const Job& job) {
     for (unsigned i = 0; i < job_count_; ++i) {
         const Job& other = jobs_[i];
         expect(!other.has_pin || slot_of(other.pin) != job.loaned.slot,
-               "a slot in use is built anew");
+               "a slot in use is built again");
         expect(!other.has_loan || other.is_built || other.loaned.slot != job.loaned.slot,
                "one slot is built twice");
     }
