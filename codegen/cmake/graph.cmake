@@ -56,11 +56,11 @@ function(stator_add_graph_parts target graph board)
     set(folder "${CMAKE_BINARY_DIR}/generated/${target}")
     stator_generate("${folder}" "${graph}" "${board}")
 
-    # What all apps and drivers may include: messages, topics, maths, DroneCAN.
+    # What all apps and drivers may include: messages, topics, maths, DroneCAN, MAVLink.
     add_library(${target}_interfaces INTERFACE)
     target_include_directories(${target}_interfaces INTERFACE "${folder}/include")
     target_link_libraries(${target}_interfaces
-        INTERFACE stator_${graph_executor} stator_flags stator_math stator_dronecan stator_bytes)
+        INTERFACE stator_${graph_executor} stator_flags stator_math stator_dronecan stator_mavlink stator_bytes)
     if(NOT graph_executor STREQUAL "replay")  # which has ports of its own, and no logger
         target_link_libraries(${target}_interfaces INTERFACE stator_log stator_parameter_port)
     endif()

@@ -17,6 +17,7 @@ MAY_USE = {
     "bytes": (),
     "math": (),
     "dronecan": (),
+    "mavlink": (),
     "recording": ("bytes",),
     "core": (),
     "testing": ("core",),

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from stator.diagnostics import Mark
 
 # Rooms of the runtime that a node sees. Its ports include others, which are not for it.
-ROOMS = ("core", "math", "dronecan", "bytes")
+ROOMS = ("core", "math", "dronecan", "mavlink", "bytes")
 
 # A driver's part of the simulated world, which generated code includes.
 OF_WORLD = "_world.hpp"
@@ -205,7 +205,7 @@ class Walls:
         elif name.startswith("stator/"):
             if not any((HOME / "runtime" / room / name).is_file() for room in ROOMS):
                 self._error(include.mark, f"{_a(kind)} cannot include {_runtime(name)}", sees)
-        elif name.startswith(("Eigen/", "dronecan/")) or name in _names_in(node.ports):
+        elif name.startswith(("Eigen/", "dronecan/", "mavlink/")) or name in _names_in(node.ports):
             pass
         elif include.is_quoted or ".." in Path(name).parts:
             self._error(include.mark, f"{_a(kind)} cannot include '{name}'", sees)

@@ -126,7 +126,15 @@ def _configure_tidy(root: Path, folder: Path, graph: str, board: str, options: l
     command += ["-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON", f"-DSTATOR_BOARD={board}", *options]
     command += [f"-DSTATOR_GRAPH={root / 'graph' / graph}.yaml"]
     return output(command, root) or output(
-        ["cmake", "--build", str(folder), "--target", "stator_dronecan_codecs"], root
+        [
+            "cmake",
+            "--build",
+            str(folder),
+            "--target",
+            "stator_dronecan_codecs",
+            "stator_mavlink_codecs",
+        ],
+        root,
     )
 
 

@@ -1,0 +1,68 @@
+// A frame of MAVLink 2: https://mavlink.io/en/guide/serialization.html.
+//
+//     0xFD length incompat compat sequence system component id(3) payload(length) crc(2)
+//     [signature(13)]
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "stator/mavlink/codec.hpp"
+#include "stator/mavlink/crc.hpp"
+
+namespace stator::mav {
+
+inline constexpr uint8_t kStart = 0xFD;
+inline constexpr std::size_t kHeaderBytes = 10;
+inline constexpr std::size_t kCrcBytes = 2;
+inline constexpr std::size_t kSignatureBytes = 13;
+inline constexpr std::size_t kMaxPayload = 255;
+inline constexpr std::size_t kMaxFrameBytes =
+    kHeaderBytes + kMaxPayload + kCrcBytes + kSignatureBytes;
+inline constexpr uint8_t kIsSigned = 1;  // of the incompatibility flags, the only one that there is
+
+// Where a frame comes from.
+struct Address {
+    uint8_t system = 0;
+    uint8_t component = 0;
+    bool operator==(const Address&) const = default;
+};
+
+// A received frame; its payload lies in the parser until the parser takes more bytes.
+struct Frame {
+    uint32_t id = 0;
+    Address source;
+    uint8_t sequence = 0;
+    bool is_signed = false;
+    std::span<const uint8_t> payload;
+};
+
+// Room for one frame to be sent.
+class FrameBytes {
+  public:
+    std::span<const uint8_t> bytes() const { return std::span(bytes_).first(size_); }
+
+    // A payload's zeros at its end do not travel, but for the first byte.
+    template <class Message>
+    void put(const Message& message, uint8_t sequence, Address source) {
+        const std::span<uint8_t> payload =
+            std::span(bytes_).subspan(kHeaderBytes, Message::kLength);
+        ToBytes out(payload);
+        Message::visit(out, message);
+        std::size_t length = payload.size();
+        while (length > 1 && payload[length - 1] == 0) --length;
+        finish(Message::kId, Message::kCrcExtra, length, sequence, source);
+    }
+
+  private:
+    void finish(uint32_t id, uint8_t crc_extra, std::size_t length, uint8_t sequence,
+                Address source);
+
+    std::array<uint8_t, kHeaderBytes + kMaxPayload + kCrcBytes> bytes_{};
+    std::size_t size_ = 0;
+};
+
+}  // namespace stator::mav
