@@ -137,7 +137,7 @@ void Logger::write_changes_of(LoggerPorts& ports, const LogChanges& changes, uin
         changes.logged[i] = value;
         if (value == before) continue;
         const bool is_float = row.type == ParameterType::kFloat;
-        write_parameter(ports, {.name = row.name,
+        write_parameter(ports, {.name = row.is.name,
                                 .is_float = is_float,
                                 .float_value = is_float ? std::bit_cast<float>(value) : 0.0F,
                                 .int32_value = std::bit_cast<int32_t>(value)});

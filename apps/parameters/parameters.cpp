@@ -41,7 +41,7 @@ const ParameterRow* find(const ParameterPort& parameters, const ParameterRequest
     const std::string_view name = text(request.name);
     if (name.empty()) return request.index < rows.size() ? &rows[request.index] : nullptr;
     for (const ParameterRow& row : rows) {
-        if (name == row.name) return &row;
+        if (name == row.is.name) return &row;
     }
     return nullptr;
 }
@@ -81,8 +81,8 @@ ParameterValue answer(const ParameterPort& parameters, const ParameterRow& row) 
         answer.int_most = as_int(row.most);
         answer.int_default = as_int(row.standard);
     }
-    for (size_t i = 0; i < answer.name.size() && row.name[i] != 0; ++i) {
-        answer.name[i] = static_cast<uint8_t>(row.name[i]);
+    for (size_t i = 0; i < answer.name.size() && row.is.name[i] != 0; ++i) {
+        answer.name[i] = static_cast<uint8_t>(row.is.name[i]);
     }
     return answer;
 }

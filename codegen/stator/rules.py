@@ -67,6 +67,7 @@ RULES = {
     "param-range": "a parameter value is outside its range",
     "params-publisher": "the parameters need exactly one publisher, which is an app",
     "params-name": "the name NODE.PARAMETER is longer than the limit",
+    "params-id": "two parameters have the same id, or the same key of their records",
     "log-many": "more than one logger",
     "log-rate": "a logger that runs too rarely for what is logged",
     "log-large": "a message is too large to be logged",

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stator.emit.rows import literal
+from stator.graph.param_ids import definition_of, former_keys_of, id_of, key_of
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -42,7 +43,8 @@ class PublishedRow:
 @dataclass(frozen=True)
 class ParameterTable:
     headers: list[str]
-    rows: list[str]
+    rows: list[str]  # in the order of their ids
+    former: list[str]  # keys of records that they had under other names
     topics: list[PublishedRow]
 
 
@@ -73,9 +75,19 @@ def table(plan: Plan) -> ParameterTable | None:
     if publisher is None:
         return None
     nodes = [node for node in plan.graph.nodes.values() if node.params]
+    places = sorted(
+        (id_of(node.name, param), i, node, param)
+        for i, node in enumerate(nodes)
+        for param in node.interface.params.values()
+    )
     return ParameterTable(
         headers=sorted({_message(node).header for node in nodes}),
-        rows=[_row(i, node, key) for i, node in enumerate(nodes) for key in node.params],
+        rows=[_row(param_id, i, node, param) for param_id, i, node, param in places],
+        former=[
+            f"{{{key:#010x}U, {row}}}"
+            for row, (_, _, node, param) in enumerate(places)
+            for key in former_keys_of(node.name, param)
+        ],
         topics=published(plan, publisher),
     )
 
@@ -85,13 +97,15 @@ def _message(node: Node) -> Message:
     return node.interface.params_message
 
 
-def _row(index: int, node: Node, key: str) -> str:
-    param = node.interface.params[key]
-    values = [literal(node.params[key])]
+def _row(param_id: str, index: int, node: Node, param: Param) -> str:
+    values = [literal(node.params[param.name])]
     if param.type != "bool":
         values = [_bound(param, param.least, "-"), _bound(param, param.most), *values]
-    place = f"{index}, offsetof({_message(node).name}, {key})"
-    row = f'parameter::{KINDS[param.type]}("{node.name}.{key}", {place}, {", ".join(values)})'
+    key, definition = key_of(node.name, param.name), definition_of(param)
+    name = f'{{"{node.name}.{param.name}", "{param_id}", {key:#010x}U, {definition:#010x}U}}'
+    place = f"{index}, offsetof({_message(node).name}, {param.name})"
+    row = f"parameter::{KINDS[param.type]}({name}, {place}, {', '.join(values)})"
+    row = row if param.in_flight else f"parameter::on_ground({row})"
     return f"parameter::fixed({row})" if param.is_fixed else row
 
 

@@ -135,7 +135,19 @@ def _param(name: str, record: Record, report: Report) -> Param | None:
         return None
     unit, doc = record.value("unit", "1"), record.value("doc", "")
     bounds: list[Fraction | None] = [None, None]
-    param = Param(name, type_name, unit, None, None, 0, doc, record.value("fixed", False))
+    param = Param(
+        name,
+        type_name,
+        unit,
+        None,
+        None,
+        0,
+        doc,
+        is_fixed=record.value("fixed", False),
+        in_flight=record.value("in_flight", True),
+        id=record.value("id", ""),
+        was=tuple(leaf.value for leaf in record.value("was", [])),
+    )
     written = record.get("range")
     if written is not None:
         values = [read_value(param, item, report, in_file=True) for item in written.value]

@@ -76,6 +76,9 @@ class Param:
     default: Value
     doc: str
     is_fixed: bool = False  # while the graph runs
+    in_flight: bool = True  # whether it can change while the vehicle is armed
+    id: str = ""  # as the interface writes it; empty: it follows from the name
+    was: tuple[str, ...] = ()  # former names: of the same node, or NODE.PARAMETER
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ MAX_TIMERS = 32  # of one node: each has a bit in the word that says what woke t
 MAX_MODES = 255
 MAX_LOGGED_BYTES = 1000  # of a message: the size of a block of the log
 MAX_PARAM_NODES = 200  # nodes whose parameters one node publishes; each is a recorded port
+MAX_PARAM_ID = 16  # MAVLink's limit
 MAX_PARAM_NAME = 92  # bytes of NODE.PARAMETER in messages; DroneCAN's limit
 
 MESSAGE_NAME = Text(
@@ -25,6 +26,17 @@ MESSAGE_NAME = Text(
     "a message name",
     "bad-name",
     "write it in UpperCamel, for example SensorGyro",
+)
+PARAM_ID = Text(
+    r"[A-Z](?:[A-Z0-9_]|\{n\}){0,15}",
+    "a parameter id",
+    hint="use at most 16 upper case letters, digits and underscores; begin with a letter; {n} is "
+    "the number of the node",
+)
+FORMER_NAME = Text(
+    rf"({NAME_PATTERN}\.)?{NAME_PATTERN}",
+    "a former name",
+    hint="write PARAMETER, or NODE.PARAMETER",
 )
 _PATH_PART = "[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}"
 RELATIVE_PATH = Text(
@@ -240,6 +252,18 @@ PARAM = Struct(
         "range": Key(Listing(Raw(), least=2, most=2), "[lowest, highest] value."),
         "default": Key(Raw(), "The value if the graph gives none.", required=True),
         "fixed": Key(Boolean(), "true: the value cannot change while the graph runs."),
+        "in_flight": Key(Boolean(), "false: the value cannot change while the vehicle is armed."),
+        "id": Key(
+            PARAM_ID,
+            "The name for ground stations. Use a name of PX4 only if unit and meaning are the "
+            "same. If left out, it follows from NODE.PARAMETER. {n} is the number at the end of the "
+            "node's name.",
+        ),
+        "was": Key(
+            OneOrMore(FORMER_NAME),
+            "Former names: PARAMETER of the same node, or NODE.PARAMETER. A value that was kept "
+            "under one of them counts.",
+        ),
         "doc": Key(Text(), "What the parameter does.", required=True),
     }
 )

@@ -60,6 +60,9 @@ def _interface(interface: Interface) -> dict[str, Any]:
         "lines": list(interface.lines),
         "inputs": {p.name: p.message.name for p in interface.inputs.values()},
         "outputs": {p.name: [p.message.name, p.burst] for p in interface.outputs.values()},
-        "params": {p.name: [p.type, p.unit] for p in interface.params.values()},
+        "params": {
+            p.name: [p.type, p.unit, *([p.id] if p.id else []), *([] if p.in_flight else [False])]
+            for p in interface.params.values()
+        },
         **({} if interface.failsafe is None else {"failsafe": interface.failsafe.rows}),
     }

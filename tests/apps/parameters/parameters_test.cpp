@@ -30,11 +30,16 @@ struct TailParams {
 };
 
 constexpr ParameterRow kRows[] = {
-    parameter::real("wing.gain", 0, offsetof(WingParams, gain), 0.0F, 2.0F, 0.5F),
-    parameter::whole("wing.count", 0, offsetof(WingParams, count), -3, 7, 4),
-    parameter::flag("wing.inverted", 0, offsetof(WingParams, inverted), false),
-    parameter::real("tail.gain", 1, offsetof(TailParams, gain), 0.0F, 1.0F, 0.25F),
-    parameter::fixed(parameter::whole("tail.address", 1, offsetof(TailParams, address), 1, 9, 1)),
+    parameter::fixed(parameter::whole({"tail.address", "TAIL_ADDR", 5, 50}, 1,
+                                      offsetof(TailParams, address), 1, 9, 1)),
+    parameter::real({"tail.gain", "TAIL_GAIN", 4, 40}, 1, offsetof(TailParams, gain), 0.0F, 1.0F,
+                    0.25F),
+    parameter::on_ground(parameter::whole({"wing.count", "WING_COUNT", 2, 20}, 0,
+                                          offsetof(WingParams, count), -3, 7, 4)),
+    parameter::real({"wing.gain", "WING_GAIN", 1, 10}, 0, offsetof(WingParams, gain), 0.0F, 2.0F,
+                    0.5F),
+    parameter::flag({"wing.inverted", "WING_INVERTED_16", 3, 30}, 0, offsetof(WingParams, inverted),
+                    false),
 };
 
 // A topic of parameters that has been published once, at the start.
@@ -96,8 +101,8 @@ std::string_view name_of(const ParameterValue& value) {
 }
 
 TEST_F(ParametersTest, lists_all_by_index) {
-    const char* const names[] = {"wing.gain", "wing.count", "wing.inverted", "tail.gain",
-                                 "tail.address"};
+    const char* const names[] = {"tail.address", "tail.gain", "wing.count", "wing.gain",
+                                 "wing.inverted"};
     for (uint16_t i = 0; i < 5; ++i) {
         const ParameterValue value = ask({.index = i});
         EXPECT_EQ(value.result, Result::kRead);

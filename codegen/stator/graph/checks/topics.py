@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from stator.diagnostics import Mark, Report, beside
 from stator.graph.checks.cycles import check_cycles
-from stator.graph.checks.params import check_params_publisher
+from stator.graph.checks.params import check_param_ids, check_params_publisher
 from stator.graph.model import Message, Node, NodeOutput, Topic, TopicConfig, Trigger
 from stator.language.keys import DEPTHS, MAX_LOGGED_BYTES
 from stator.language.period import Period
@@ -30,6 +30,7 @@ def connect(record: Record, nodes: Nodes, report: Report) -> dict[str, Topic]:
     }
     _check_loggers(nodes.good, report)
     check_params_publisher(nodes.good, report)
+    check_param_ids(nodes.good, report)
     modes_of = _modes_of(record)
     outputs, readers = _outputs(nodes.good), _readers(nodes.good)
     topics: dict[str, Topic] = {}

@@ -9,8 +9,8 @@ namespace stator {
 namespace {
 
 constexpr ParameterRow kRows[] = {
-    parameter::whole("counter.first", 0, offsetof(CounterParams, first), 0, 1000, 0),
-    parameter::real("counter.rest", 0, offsetof(CounterParams, rest), 0.0F, 10.0F, 0.0F),
+    parameter::whole({"counter.first", "COUN_FIRST_QGLE", 0x81964911U, 0xbcc5bc44U}, 0, offsetof(CounterParams, first), 0, 1000, 0),
+    parameter::real({"counter.rest", "COUN_REST_OYVT", 0x762b31c8U, 0x9db4ddd2U}, 0, offsetof(CounterParams, rest), 0.0F, 10.0F, 0.0F),
 };
 
 constexpr ParameterTopic kTopics[] = {
