@@ -22,7 +22,7 @@ MAY_USE = {
     "core": (),
     "testing": ("core",),
     "watch": ("core",),
-    "parameters": ("core",),
+    "parameters": ("core", "bytes"),
     "link": ("core", "watch", "bytes"),
     "log": ("core", "watch", "parameters", "recording", "bytes"),
     "virtual": ("core", "watch"),

@@ -256,8 +256,8 @@ PARAM = Struct(
         "id": Key(
             PARAM_ID,
             "The name for ground stations. Use a name of PX4 only if unit and meaning are the "
-            "same. If left out, it follows from NODE.PARAMETER. {n} is the number at the end of the "
-            "node's name.",
+            "same. If left out, it follows from NODE.PARAMETER. {n} is the number at the end of "
+            "the node's name.",
         ),
         "was": Key(
             OneOrMore(FORMER_NAME),
