@@ -17,16 +17,16 @@ elseif(STATOR_REPLAY)
     list(APPEND stator_gen_options --replay)
 endif()
 
-# Generates the C++ of the graph and sets graph_* in the caller (codegen/stator/emit/templates/graph.cmake.j2).
-macro(stator_generate folder graph board)
+# Generates the C++ of a graph, or what tests of apps need, and sets graph_* in the caller
+# (codegen/stator/emit/templates/graph.cmake.j2). `source` and what follows: arguments of `stator gen`.
+macro(stator_generate folder source)
     execute_process(
-        COMMAND "${STATOR_PYTHON}" -I -X utf8 -m stator gen "${graph}" --board "${board}" -o "${folder}"
-                ${stator_gen_options}
+        COMMAND "${STATOR_PYTHON}" -I -X utf8 -m stator gen "${source}" -o "${folder}" ${ARGN}
         RESULT_VARIABLE generated OUTPUT_QUIET)
     # Watched even after an error, so that mending the graph is enough.
-    set_property(DIRECTORY "${CMAKE_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${graph}")
+    set_property(DIRECTORY "${CMAKE_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${source}")
     if(NOT generated EQUAL 0)
-        message(FATAL_ERROR "the graph has errors; see above")
+        message(FATAL_ERROR "'${source}' has errors; see above")
     endif()
     include("${folder}/graph.cmake")
     set_property(DIRECTORY "${CMAKE_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${graph_inputs})
@@ -39,11 +39,14 @@ function(stator_add_walls target folder libraries)
         string(REGEX MATCH "^[^=]+=([^=]+)=(.*)$" matched "${entry}")
         list(APPEND arguments --node "${CMAKE_MATCH_2}" "${folder}/ports/${CMAKE_MATCH_1}")
     endforeach()
+    if(graph_board)
+        list(APPEND arguments --board "${graph_board}")
+    endif()
     set(stamp "${CMAKE_BINARY_DIR}/generated/${target}_walls")
     add_custom_command(
         OUTPUT "${stamp}"
         COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${CMAKE_SOURCE_DIR}/codegen"
-                "${STATOR_PYTHON}" -m stator.build.walls ${arguments} --board "${graph_board}" --stamp "${stamp}"
+                "${STATOR_PYTHON}" -m stator.build.walls ${arguments} --stamp "${stamp}"
         DEPENDS "${CMAKE_SOURCE_DIR}/codegen/stator/build/walls.py" "${CMAKE_SOURCE_DIR}/codegen/stator/build/cpp_scan.py"
         DEPFILE "${stamp}.d"
         COMMENT "Checking what nodes of ${target} include"
@@ -51,11 +54,8 @@ function(stator_add_walls target folder libraries)
     add_custom_target(${target}_walls DEPENDS "${stamp}")
 endfunction()
 
-# Everything of the graph but its board: TARGET_generated, and a target for each app and driver.
-function(stator_add_graph_parts target graph board)
-    set(folder "${CMAKE_BINARY_DIR}/generated/${target}")
-    stator_generate("${folder}" "${graph}" "${board}")
-
+# A target for each app and driver of what was generated. Sets `libraries` and `ports` in the caller.
+function(stator_add_nodes target folder)
     # What all apps and drivers may include: messages, topics, maths, DroneCAN, MAVLink.
     add_library(${target}_interfaces INTERFACE)
     target_include_directories(${target}_interfaces INTERFACE "${folder}/include")
@@ -98,6 +98,23 @@ function(stator_add_graph_parts target graph board)
     if(NOT STATOR_WALLS)  # a test's node may use another's classes, and so its ports
         target_include_directories(${target}_interfaces INTERFACE ${ports})
     endif()
+    set(libraries "${libraries}" PARENT_SCOPE)
+    set(ports "${ports}" PARENT_SCOPE)
+endfunction()
+
+# Apps for their unit tests, without a graph: target TARGET_APP each.
+function(stator_add_apps target project apps)
+    set(folder "${CMAKE_BINARY_DIR}/generated/${target}")
+    list(JOIN apps "," names)
+    stator_generate("${folder}" "${project}" --apps "${names}")
+    stator_add_nodes(${target} "${folder}")
+endfunction()
+
+# Everything of the graph but its board: TARGET_generated, and a target for each app and driver.
+function(stator_add_graph_parts target graph board)
+    set(folder "${CMAKE_BINARY_DIR}/generated/${target}")
+    stator_generate("${folder}" "${graph}" --board "${board}" ${stator_gen_options})
+    stator_add_nodes(${target} "${folder}")
 
     list(TRANSFORM graph_sources PREPEND "${folder}/")
     add_library(${target}_generated OBJECT ${graph_sources})

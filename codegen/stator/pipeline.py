@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stator.diagnostics import UserError
-from stator.emit.emit import EXECUTORS, emit, emit_replay
+from stator.diagnostics import Mark, Report, UserError
+from stator.emit.emit import EXECUTORS, emit, emit_apps, emit_replay
 from stator.graph.check import check
+from stator.graph.interfaces import find_app
+from stator.graph.sources import Sources
 from stator.plan.plan import Plan, plan
 
 
@@ -35,3 +37,13 @@ def make_files(graph: str, board: str | None, *, record: bool) -> dict[str, str]
 def make_replay_files(graph: str, board: str | None) -> dict[str, str]:
     """The C++ of the program that replays recordings of the graph. Raises `Failed`."""
     return emit_replay(make_plan(graph, board))
+
+
+def make_app_files(folder: Path, names: list[str]) -> dict[str, str]:
+    """What unit tests of apps need; the apps are found as those of a graph in the folder. Raises
+    `Failed`."""
+    report = Report()
+    sources = Sources(folder, report)
+    apps = [find_app(sources, name, Mark(folder / "apps" / name, 1, 1)) for name in names]
+    report.stop_on_errors()
+    return emit_apps([app for app in apps if app is not None], sources.files)

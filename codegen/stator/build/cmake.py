@@ -138,14 +138,18 @@ def configure(folder: Path, options: list[str], targets: list[str]) -> None:
             _remove_orphans()
             _run(["cmake", "-S", str(HOME), "-B", str(folder), "-G", "Ninja", *arguments], lock)
             stamp.write_bytes(content)
-        _run(["cmake", "--build", str(folder), "--target", *targets], lock)
+        if targets:
+            _run(["cmake", "--build", str(folder), "--target", *targets], lock)
 
 
 def _remove_orphans() -> None:
     """Build folders of graphs that are there no more, such as those of projects that moved."""
     for stamp in (HOME / "build").glob("*/options.txt"):
         first = os.fsdecode(stamp.read_bytes()).partition("\n")[0]
-        if first.startswith("-DSTATOR_GRAPH=") and not Path(first.partition("=")[2]).exists():
+        if (
+            first.startswith(("-DSTATOR_GRAPH=", "-DSTATOR_PROJECT="))
+            and not Path(first.partition("=")[2]).exists()
+        ):
             with held_if_free(lock_of(stamp.parent)) as is_free:
                 if is_free:
                     shutil.rmtree(stamp.parent, ignore_errors=True)

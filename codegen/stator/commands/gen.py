@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.arguments import add_graph_arguments, path
 from stator.emit.emit import write
-from stator.pipeline import make_files, make_replay_files
+from stator.pipeline import make_app_files, make_files, make_replay_files
 
 if TYPE_CHECKING:
     import argparse
@@ -20,12 +21,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--record", action="store_true", help="record each flight for replay")
     what.add_argument(
+        "--apps",
+        metavar="NAME,...",
+        help="write what unit tests of these apps need; GRAPH is the folder of apps/",
+    )
+    what.add_argument(
         "--replay", action="store_true", help="write a program that replays recordings"
     )
 
 
 def main(arguments: argparse.Namespace) -> int:
-    if arguments.replay:
+    if arguments.apps:
+        files = make_app_files(Path(arguments.graph), arguments.apps.split(","))
+    elif arguments.replay:
         files = make_replay_files(arguments.graph, arguments.board)
     else:
         files = make_files(arguments.graph, arguments.board, record=arguments.record)

@@ -46,6 +46,8 @@ def main(arguments: argparse.Namespace) -> int:
         following = f"./stator new graph {name}_quad --app {name}"
         if arguments.folder != Path():
             following += f" --in {shown_argument(arguments.folder)}"
+        tests = arguments.folder / "tests" / "apps" / name
+        following += f"\ntest: ./stator test {shown_argument(tests)}"
     else:
         if arguments.app is not None:
             _check_name(arguments.app, "an app")
@@ -84,6 +86,7 @@ def _app(name: str, folder: Path) -> dict[Path, str]:
         app / f"{name}.yaml": _render("app.yaml.j2", fields),
         app / f"{name}.hpp": _render("app.hpp.j2", fields),
         app / f"{name}.cpp": _render("app.cpp.j2", fields),
+        folder / "tests" / "apps" / name / f"{name}_test.cpp": _render("test.cpp.j2", fields),
     }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stator.testing.junit import Outcome
+from stator.testing.project import project_of, run_project
 from stator.testing.run import SLOWEST, closing_lines, run_all, slowest_lines
 
 if TYPE_CHECKING:
@@ -22,12 +23,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> int:
-    cases = run_all(options.names, options.long)
+    project = project_of(options.names)
+    if project is None:
+        cases = run_all(options.names, options.long)
+    else:
+        cases = run_project(project, options.names, options.long)
     if not any(case.outcome is not Outcome.SKIPPED for case in cases):
         matches = f": no test matches {' '.join(options.names)}" if options.names else ""
         longer = "" if options.long else "\nhint: add --long to include the long tests"
         print(f"no test ran{matches}{longer}")
-    if not options.names:
+    if project is None and not options.names:
         print("\n".join(["", f"slowest {SLOWEST}:", *slowest_lines(cases)]))
     print("\n".join(["", *closing_lines(cases)]), flush=True)
     failed = any(case.outcome is Outcome.FAILED for case in cases)

@@ -23,6 +23,7 @@ from stator.plan.text import plan_text
 
 if TYPE_CHECKING:
     from stator.emit.tasks import TaskRow
+    from stator.graph.model import Interface
     from stator.plan.plan import Plan
 
 MANIFEST = "generated_files.txt"
@@ -32,7 +33,7 @@ EXECUTORS = ("cortex_m", "pthread", "virtual")
 def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
     """Every generated file: its path below the output folder, and its text. `record`: the flight is
     recorded for replay."""
-    files = _parts(plan)
+    files = _parts(rows.interfaces(plan))
     record = record and recording.is_recordable(plan)
     graph = _start(plan.graph.file)
     recorded = recording.task_rows(plan) if record else {}
@@ -83,7 +84,7 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
 
 def emit_replay(plan: Plan) -> dict[str, str]:
     """The files of the program that replays recordings of this graph, on any machine."""
-    files = _parts(plan)
+    files = _parts(rows.interfaces(plan))
     graph = _start(plan.graph.file)
     recorded = recording.task_rows(plan)
     tasks = [emit_tasks.task(plan, task, recorded[task.node.name]) for task in plan.tasks]
@@ -107,17 +108,25 @@ def emit_replay(plan: Plan) -> dict[str, str]:
     return files
 
 
-def _parts(plan: Plan) -> dict[str, str]:
+def emit_apps(apps: list[Interface], inputs: list[Path]) -> dict[str, str]:
+    """What unit tests of these apps need. `inputs`: the files that it is made of."""
+    files = _parts(apps)
+    build = rows.apps_build(apps, inputs)
+    files["graph.cmake"] = _render("graph.cmake.j2", _start(apps[0].file), build=build)
+    return files
+
+
+def _parts(interfaces: list[Interface]) -> dict[str, str]:
     """What nodes see: messages and ports."""
     files: dict[str, str] = {}
-    for message in rows.messages(plan):
+    for message in rows.messages(interfaces):
         files[f"include/messages/{message.header}.hpp"] = _render(
             "message.hpp.j2",
             message.mark,
             message=message,
-            fields=rows.fields(message, rows.defaults(plan, message)),
+            fields=rows.fields(message, rows.defaults(interfaces, message)),
         )
-    for interface in rows.interfaces(plan):
+    for interface in interfaces:
         folder = f"ports/{interface.name}"
         files[f"{folder}/{interface.name}_ports.hpp"] = _render(
             "ports.hpp.j2", _start(interface.file), interface=interface, ports=rows.ports(interface)

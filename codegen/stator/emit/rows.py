@@ -56,10 +56,10 @@ class PortsRow:
     outputs: list[str]
 
 
-def messages(plan: Plan) -> list[Message]:
-    """All messages that the graph's interfaces name, by name."""
+def messages(interfaces: list[Interface]) -> list[Message]:
+    """All messages that the interfaces name, by name."""
     found: dict[str, Message] = {}
-    for interface in interfaces(plan):
+    for interface in interfaces:
         for port in (*interface.inputs.values(), *interface.outputs.values()):
             found[port.message.name] = port.message
         if interface.params_message is not None:
@@ -97,9 +97,9 @@ def fields(message: Message, defaults: dict[str, str]) -> list[FieldRow]:
     return result
 
 
-def defaults(plan: Plan, message: Message) -> dict[str, str]:
+def defaults(interfaces: list[Interface], message: Message) -> dict[str, str]:
     """Parameters start at their interface's defaults."""
-    for interface in interfaces(plan):
+    for interface in interfaces:
         if interface.params_message == message:
             return {p.name: literal(p.default) for p in interface.params.values()}
     return {}
@@ -508,20 +508,33 @@ def _build(
     nodes: dict[str, Interface],
 ) -> BuildRow:
     """`nodes`: the folder of each app and driver, below apps/ or drivers/, and its ports."""
-    roots = [interface.file.parents[2] for interface in nodes.values()]
     return BuildRow(
         executor=executor,
         board=str(board),
         chip=chip,
         sources=[name for name in files if name.endswith(".cpp")],
-        libraries=[
-            CMakeLibrary(
-                name=name.replace("/", "_"),
-                ports=interface.name,
-                folder=str(interface.file.parents[1] / name),
-            )
-            for name, interface in sorted(nodes.items())
-        ],
-        roots=list(dict.fromkeys(str(root) for root in roots)),
+        libraries=_libraries(nodes),
+        roots=_roots(nodes),
         inputs=sorted({str(path) for path in (*plan.graph.files, plan.board.file)}),
     )
+
+
+def apps_build(apps: list[Interface], inputs: list[Path]) -> BuildRow:
+    """Apps for their unit tests: no graph, no board."""
+    nodes = {app.name: app for app in apps}
+    return BuildRow("virtual", "", "", [], _libraries(nodes), _roots(nodes), list(map(str, inputs)))
+
+
+def _libraries(nodes: dict[str, Interface]) -> list[CMakeLibrary]:
+    return [
+        CMakeLibrary(
+            name=name.replace("/", "_"),
+            ports=interface.name,
+            folder=str(interface.file.parents[1] / name),
+        )
+        for name, interface in sorted(nodes.items())
+    ]
+
+
+def _roots(nodes: dict[str, Interface]) -> list[str]:
+    return list(dict.fromkeys(str(node.file.parents[2]) for node in nodes.values()))

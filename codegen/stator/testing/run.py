@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from stator import HOME
@@ -17,64 +16,13 @@ from stator.diagnostics import in_place
 from stator.lock import held
 from stator.processes import environment as environment_of_builds
 from stator.testing.junit import Case, Outcome, read_ctest, read_pytest
+from stator.testing.selection import EVERYTHING, NOT_BUILT, Selection, select, targets_of
 
 PRESET = "host"
 PROGRESS_PERIOD_S = 10.0
 SLOWEST = 20  # tests that are listed with their times
-# Suites and tests as GoogleTest declares them: TEST(Suite, name), TEST_F, TEST_P, TYPED_TEST.
-SUITE = re.compile(r"^\s*(?:TYPED_)?TEST(?:_[FP])?\(\s*(\w+)\s*,", re.MULTILINE)
 # A failed test in ctest's last list, `12 - name (Timeout)`; its XML lacks the reason.
 ENDING = re.compile(r"^\s+\d+ - (.+) \(([^()]+)\)", re.MULTILINE)
-# A NAME that pytest -k can read; other characters make a regular expression for ctest only.
-# `and`, `or` and `not` are its operators.
-KEYWORD = re.compile(r"(?!(?:and|or|not)$)[\w:+\-./\[\]]+")
-
-
-@dataclass(frozen=True)
-class Selection:
-    """The tests to run: ctest with this regular expression (empty: not at all), and pytest once
-    with each of these lists of arguments."""
-
-    ctest_regex: str
-    pytest_runs: list[list[str]]
-
-
-EVERYTHING = Selection(".", [[]])
-
-
-def select(root: Path, names: list[str]) -> Selection:
-    """Splits NAMEs into paths under tests/, and parts of a test's name."""
-    if not names:
-        return EVERYTHING
-    paths = {name: path for name in names if (path := _path_of_tests(root, name))}
-    words = [name for name in names if name not in paths]
-    suites = dict.fromkeys(suite for path in paths.values() for suite in _suites(path))
-    files = [
-        str(path) + "".join(name.partition("::")[1:])
-        for name, path in paths.items()
-        if _has_python_tests(path)
-    ]
-    keywords = [word for word in words if KEYWORD.fullmatch(word)]
-    runs = [files, ["-k", " or ".join(keywords)] if keywords else []]
-    regex = "|".join([*words, *(f"(^|[./]){suite}[./]" for suite in suites)])
-    return Selection(regex, [run for run in runs if run])
-
-
-def _path_of_tests(root: Path, name: str) -> Path | None:
-    for folder in (Path.cwd(), root):
-        path = (folder / name.partition("::")[0]).resolve()
-        if path.exists() and path.is_relative_to(root / "tests"):
-            return path
-    return None
-
-
-def _suites(path: Path) -> list[str]:
-    files = sorted(path.rglob("*.cpp")) if path.is_dir() else [path] * (path.suffix == ".cpp")
-    return [suite for file in files for suite in SUITE.findall(file.read_text(encoding="utf-8"))]
-
-
-def _has_python_tests(path: Path) -> bool:
-    return path.suffix == ".py" or (path.is_dir() and any(path.rglob("test_*.py")))
 
 
 def run_logged(command: list[str], log: Path, environment: Mapping[str, str]) -> bool:
@@ -102,25 +50,34 @@ def run_logged(command: list[str], log: Path, environment: Mapping[str, str]) ->
     return process.returncode == 0
 
 
-def build(folder: Path, environment: Mapping[str, str]) -> Case | None:
-    """Configures and builds; returns a failed case if that fails."""
-    steps = {
-        "configure": ["cmake", "--preset", PRESET],
-        "build": ["cmake", "--build", str(folder.relative_to(HOME))],
-    }
-    for name, command in steps.items():
-        print(f"{name}: {' '.join(command)}", flush=True)
-        log = folder / f"{name}.log"
-        try:
-            if run_logged(command, log, environment):
-                continue
-            text = log.read_text(encoding="utf-8")
-        except FileNotFoundError as error:
-            text = in_place(f"{error}\nhint: install it with ./stator setup\n")
-        # Remove ninja's progress lines, so that the errors are visible.
-        lines = [line for line in text.splitlines() if not re.match(r"\[\d+/\d+\] ", line)]
-        return Case(name, Outcome.FAILED, "\n".join(lines))
-    return None
+def build(folder: Path, selection: Selection, environment: Mapping[str, str]) -> Case | None:
+    """Configures, and builds what the selection needs; returns a failed case if that fails."""
+    failure = _run_step("configure", ["cmake", "--preset", PRESET], folder, environment)
+    if failure is not None:
+        return failure
+    command = ["cmake", "--build", str(folder.relative_to(HOME))]
+    if selection == EVERYTHING:
+        return _run_step("build", command, folder, environment)
+    targets = targets_of(selection, folder) if selection.ctest_regex else []
+    if not targets:
+        return None
+    return _run_step("build", [*command, "--target", *targets], folder, environment)
+
+
+def _run_step(
+    name: str, command: list[str], folder: Path, environment: Mapping[str, str]
+) -> Case | None:
+    print(f"{name}: {' '.join(command)}", flush=True)
+    log = folder / f"{name}.log"
+    try:
+        if run_logged(command, log, environment):
+            return None
+        text = log.read_text(encoding="utf-8")
+    except FileNotFoundError as error:
+        text = in_place(f"{error}\nhint: install it with ./stator setup\n")
+    # Remove ninja's progress lines, so that the errors are visible.
+    lines = [line for line in text.splitlines() if not re.match(r"\[\d+/\d+\] ", line)]
+    return Case(name, Outcome.FAILED, "\n".join(lines))
 
 
 def run_ctest(folder: Path, regex: str, long: bool, environment: Mapping[str, str]) -> list[Case]:
@@ -128,6 +85,7 @@ def run_ctest(folder: Path, regex: str, long: bool, environment: Mapping[str, st
     report.unlink(missing_ok=True)
     command = ["ctest", "--test-dir", str(folder), "--output-junit", str(report)]
     command += ["--output-on-failure", "-j", str(os.cpu_count() or 1), "--tests-regex", regex]
+    command += ["--exclude-regex", NOT_BUILT]
     command += [] if long else ["--label-exclude", "^long$"]
     print("C++ tests: ctest", flush=True)
     succeeded = run_logged(command, log, environment)
@@ -144,7 +102,11 @@ def run_ctest(folder: Path, regex: str, long: bool, environment: Mapping[str, st
 
 
 def run_pytest(
-    report: Path, arguments: list[str], long: bool, environment: Mapping[str, str]
+    report: Path,
+    arguments: list[str],
+    long: bool,
+    environment: Mapping[str, str],
+    root: Path = HOME,
 ) -> list[Case]:
     """pytest shows its progress and its failures itself."""
     report.unlink(missing_ok=True)
@@ -157,7 +119,7 @@ def run_pytest(
         command += ["-n", str(workers), "--dist", "loadfile", "--no-loadscope-reorder"]
     print("Python tests: pytest", flush=True)
     finished = subprocess.run(
-        command, stdin=subprocess.DEVNULL, cwd=HOME, env=environment, check=False
+        command, stdin=subprocess.DEVNULL, cwd=root, env=environment, check=False
     )
     cases = read_pytest(report)
     # 0: all passed. 1: some failed. 5: none selected. Else pytest itself broke.
@@ -202,11 +164,11 @@ def run_all(names: list[str], long: bool) -> list[Case]:
 
 def _run_all(folder: Path, names: list[str], long: bool) -> list[Case]:
     environment = environment_of_tests(HOME)
-    failure = build(folder, environment)
+    selection = select(HOME, names)
+    failure = build(folder, selection, environment)
     if failure:
         print(f"\n--- {failure.name} failed:\n{failure.text}", flush=True)
         return [failure]
-    selection = select(HOME, names)
     cases: list[Case] = []
     if selection.ctest_regex:
         cases += run_ctest(folder, selection.ctest_regex, long, environment)

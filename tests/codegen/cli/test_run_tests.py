@@ -49,7 +49,7 @@ def run(project: Path, *arguments: str) -> tuple[int, list[str]]:
     code += "sys.exit(main(['test', *sys.argv[2:]]))"
     finished = subprocess.run(
         [sys.executable, "-I", "-c", code, str(project / "codegen"), *arguments],
-        cwd="/",
+        cwd=project,
         env={"PATH": "/usr/local/bin:/usr/bin:/bin"},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -105,9 +105,9 @@ def test_failures_are_shown_and_counted(project: Path) -> None:
     assert "--- Sum.hangs: Timeout\n" in output
     assert "No module named 'no_such_module'" in output
     assert lines[-4:] == [
-        rf"FAILED Sum.fails    again: '{project}/stator' test '^Sum\.fails$'",
-        rf"FAILED Sum.hangs    again: '{project}/stator' test '^Sum\.hangs$'",
-        f"FAILED tests/test_broken.py    again: '{project}/stator' test tests/test_broken.py",
+        r"FAILED Sum.fails    again: ./stator test '^Sum\.fails$'",
+        r"FAILED Sum.hangs    again: ./stator test '^Sum\.hangs$'",
+        "FAILED tests/test_broken.py    again: ./stator test tests/test_broken.py",
         "2 passed, 3 failed, 2 skipped",
     ]
 
@@ -119,7 +119,7 @@ def test_a_build_that_fails_is_a_failed_test(project: Path) -> None:
     assert status == 1
     assert any("no_such_file" in line for line in lines)
     assert lines[-2:] == [
-        f"FAILED build    again: '{project}/stator' test",
+        "FAILED build    again: ./stator test",
         "0 passed, 1 failed, 0 skipped",
     ]
 
@@ -151,9 +151,16 @@ def test_a_word_of_pytests_expressions_is_for_ctest_alone(tmp_path: Path, word: 
 def test_a_path_selects_the_suites_in_it(project: Path) -> None:
     source = project / "tests" / "maths" / "scalar.cpp"
     source.write_text("TEST(Scalar, a) {}\nTEST(Scalar, b) {}\nTEST_P(Table, c) {}\n")
-    expected = "(^|[./])Scalar[./]|(^|[./])Table[./]"
+    expected = "(^|[./])(Scalar|Table)[./]"
     for name in ("tests/maths", "tests/maths/scalar.cpp", str(source)):
-        assert select(project, [name]) == Selection(expected, [])
+        assert select(project, [name]) == Selection(expected, [], [source])
+
+
+def test_a_word_names_the_sources_of_its_tests(project: Path) -> None:
+    for name in ("scalar", "table"):
+        (project / "tests" / "maths" / f"{name}.cpp").write_text(f"TEST({name}, works) {{}}\n")
+    selection = select(project, ["table.wo"])
+    assert selection.sources == [project / "tests" / "maths" / "table.cpp"]
 
 
 def test_a_folder_outside_tests_is_a_word(project: Path) -> None:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from tests.drivers.can.kernel_bus import on_bus
+from tests.host_program import host_program
 
-from stator import HOME
 from stator.build.cmake import build
 
 HERE = Path(__file__).parent
@@ -34,8 +34,7 @@ def test_on_the_bus(link: Path) -> None:
 def test_five_thousand_frames_a_second_both_ways_are_there_or_counted() -> None:
     """For 20 s. What is missing from the numbers is what the driver says it lost, but for what the
     kernel dropped between the interface and any socket, which it counts itself."""
-    flood = HOME / "build" / "host" / "tests" / "drivers" / "can" / "can_flood"
-    assert flood.is_file(), "built by ./stator test; run that"
+    flood = host_program("tests/drivers/can/can_flood")
     rate, seconds = 5000, 20
     script = (
         f"{flood} vcan0 0x1000 0x2000 {rate} {seconds} & "

@@ -18,13 +18,13 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(ROOT / "codegen"), str(HERE)]
 
 from dronecan_values import limits, make, modes, pack, renewed, service_or_message, single, unpack  # noqa: E402
+from tests.host_program import host_program  # noqa: E402
 
 from stator.build.dronecan_codecs import TYPES  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-ECHO = ROOT / "build" / "host" / "tests" / "runtime" / "dronecan" / "codec_echo"
 KINDS = [(name, mode) for name in TYPES for mode in modes(service_or_message(name))]
 SETTINGS = settings(
     max_examples=60,
@@ -36,8 +36,8 @@ SETTINGS = settings(
 
 @pytest.fixture(scope="module")
 def echo() -> Iterator[Callable[[Any, str | None, bytes], bytes | None]]:
-    assert ECHO.is_file(), "built by ./stator test; run that"
-    with subprocess.Popen([ECHO], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+    program = host_program("tests/runtime/dronecan/codec_echo")
+    with subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         assert process.stdin and process.stdout
 
         def ask(kind: Any, mode: str | None, payload: bytes) -> bytes | None:
