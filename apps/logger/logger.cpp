@@ -13,9 +13,38 @@ namespace {
 // "ULog", 0x01 0x12 0x35, version 1, then the start time: 0, as the clock counts from boot.
 constexpr std::array<uint8_t, 16> kHeader{0x55, 0x4C, 0x6F, 0x67, 0x01, 0x12, 0x35, 0x01};
 constexpr size_t kFlagBytes = 40;
+constexpr uint8_t kConfigurationDefault = 1U << 1U;
 
 uint16_t text_bytes(const char* text) {
     return static_cast<uint16_t>(std::strlen(text));
+}
+
+const char* type_of(const LogParameter& parameter) {
+    return parameter.is_float ? "float " : "int32_t ";
+}
+
+// Of the length of its name, type and name, and value.
+size_t parameter_bytes(const LogParameter& parameter) {
+    return 1 + size_t{text_bytes(type_of(parameter))} + text_bytes(parameter.name) + 4;
+}
+
+ParameterBits bits_of(const LogParameter& parameter) {
+    return parameter.is_float ? std::bit_cast<ParameterBits>(parameter.float_value)
+                              : std::bit_cast<ParameterBits>(parameter.int32_value);
+}
+
+LogParameter with_bits(const char* name, bool is_float, ParameterBits bits) {
+    return {.name = name,
+            .is_float = is_float,
+            .float_value = is_float ? std::bit_cast<float>(bits) : 0.0F,
+            .int32_value = std::bit_cast<int32_t>(bits)};
+}
+
+// The graph's value, or the one that replaced it.
+LogParameter value_at_start(const LogTable& table, uint32_t index) {
+    const LogParameter& row = table.parameters[index];
+    if (table.start == nullptr) return row;
+    return with_bits(row.name, row.is_float, stator::bits_of(table.start->rows[index]));
 }
 
 }  // namespace
@@ -38,21 +67,26 @@ void Logger::step(LoggerPorts& ports) {
 // True when all are written; samples come after them.
 bool Logger::write_definitions(LoggerPorts& ports) {
     const LogTable& table = *ports.log;
-    const uint32_t count = 1 + 2 * table.topic_count + table.parameter_count;
+    const uint32_t replaceable = table.start == nullptr ? 0 : table.parameter_count;
+    const uint32_t count = 1 + 2 * table.topic_count + table.parameter_count + replaceable;
     for (; defined_ < count && has_room(); ++defined_) write_definition(ports, defined_);
     return defined_ == count;
 }
 
-// Header, formats, parameters, subscriptions, in this order.
+// Header, formats, parameters, subscriptions, and the graph's values of parameters that an option
+// replaced, in this order.
 void Logger::write_definition(LoggerPorts& ports, uint32_t index) {
     const LogTable& table = *ports.log;
     if (index == 0) return write_header(ports);
     index -= 1;
     if (index < table.topic_count) return write_format(ports, table.topics[index]);
     index -= table.topic_count;
-    if (index < table.parameter_count) return write_parameter(ports, table.parameters[index]);
+    if (index < table.parameter_count) {
+        return write_parameter(ports, value_at_start(table, index));
+    }
     index -= table.parameter_count;
-    write_subscription(ports, static_cast<uint16_t>(index));
+    if (index < table.topic_count) return write_subscription(ports, static_cast<uint16_t>(index));
+    write_replaced(ports, index - table.topic_count);
 }
 
 void Logger::write_header(LoggerPorts& ports) {
@@ -100,12 +134,23 @@ void Logger::write_format(LoggerPorts& ports, const LogTopic& row) {
 }
 
 void Logger::write_parameter(LoggerPorts& ports, const LogParameter& parameter) {
-    const char* type = parameter.is_float ? "float " : "int32_t ";
-    const size_t key_bytes = size_t{text_bytes(type)} + text_bytes(parameter.name);
-    begin(ports, 'P', 1 + key_bytes + 4);
-    const auto length = static_cast<uint8_t>(key_bytes);
+    begin(ports, 'P', parameter_bytes(parameter));
+    write_value(ports, parameter);
+}
+
+// The default of this configuration, where the flight has another value.
+void Logger::write_replaced(LoggerPorts& ports, uint32_t index) {
+    const LogParameter& row = ports.log->parameters[index];
+    if (bits_of(value_at_start(*ports.log, index)) == bits_of(row)) return;
+    begin(ports, 'Q', 1 + parameter_bytes(row));
+    write(ports, &kConfigurationDefault, 1);
+    write_value(ports, row);
+}
+
+void Logger::write_value(LoggerPorts& ports, const LogParameter& parameter) {
+    const auto length = static_cast<uint8_t>(parameter_bytes(parameter) - 1 - 4);
     write(ports, &length, 1);
-    write_text(ports, type);
+    write_text(ports, type_of(parameter));
     write_text(ports, parameter.name);
     if (parameter.is_float) {
         write(ports, &parameter.float_value, sizeof parameter.float_value);
@@ -136,11 +181,7 @@ void Logger::write_changes_of(LoggerPorts& ports, const LogChanges& changes, uin
         const ParameterBits before = changes.seen[topic] == 0 ? row.standard : changes.logged[i];
         changes.logged[i] = value;
         if (value == before) continue;
-        const bool is_float = row.type == ParameterType::kFloat;
-        write_parameter(ports, {.name = row.is.name,
-                                .is_float = is_float,
-                                .float_value = is_float ? std::bit_cast<float>(value) : 0.0F,
-                                .int32_value = std::bit_cast<int32_t>(value)});
+        write_parameter(ports, with_bits(row.is.name, row.type == ParameterType::kFloat, value));
     }
 }
 

@@ -29,6 +29,8 @@ class Logger {
     void write_subscription(LoggerPorts& ports, uint16_t id);
     void write_format(LoggerPorts& ports, const LogTopic& row);
     void write_parameter(LoggerPorts& ports, const LogParameter& parameter);
+    void write_replaced(LoggerPorts& ports, uint32_t index);
+    void write_value(LoggerPorts& ports, const LogParameter& parameter);
     void write_changes(LoggerPorts& ports, const LogChanges& changes);
     void write_changes_of(LoggerPorts& ports, const LogChanges& changes, uint32_t topic,
                           const void* sample);

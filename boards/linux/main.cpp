@@ -21,6 +21,7 @@
 #include "real_world.hpp"
 #include "run_options.hpp"
 #include "stator/recording.hpp"
+#include "stator/start_options.hpp"
 #include "world/flight_facts.hpp"
 #include "world/options.hpp"
 
@@ -208,6 +209,7 @@ int main(int count, char** arguments) {
     board::RunOptions run;
     std::FILE* truth = nullptr;
     fly_on_without_log();
+    if (!take_start_values(count, arguments)) return 2;
     if (!board::take_run_options(count, arguments, run)) return 2;
     if (!world::parse(count, arguments, options)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;

@@ -17,6 +17,7 @@
 #include "devices.hpp"
 #include "flight.hpp"
 #include "stator/recording.hpp"
+#include "stator/start_options.hpp"
 #include "stator/virtual.hpp"
 #include "world/flight_facts.hpp"
 #include "world/options.hpp"
@@ -135,6 +136,7 @@ int main(int count, char** arguments) {
     world::Options options;
     std::FILE* truth = nullptr;
     fly_on_without_log();
+    if (!take_start_values(count, arguments)) return 2;
     if (!world::parse(count, arguments, options)) return 2;
     if ((options.random_times || options.budgets != nullptr) && !kHasPreemptionPoints) {
         std::fputs("error: --times needs a build with preemption points\n", stderr);

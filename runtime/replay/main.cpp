@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "run.hpp"
+#include "stator/start_options.hpp"
 
 namespace {
 
@@ -31,9 +32,12 @@ void print(const Recording& recording, const Difference& difference) {
 }  // namespace
 
 int main(int count, char** arguments) {
+    if (!stator::take_start_values(count, arguments)) return 2;
     if (count != 3) {
-        std::fputs("error: expected two arguments: a log, and the number of its bytes to use\n",
-                   stderr);
+        std::fputs(
+            "error: expected a log, the number of its bytes to use, and --param for each value that "
+            "replaced the graph's\n",
+            stderr);
         return 2;
     }
     const auto recording = read_recording(arguments[1], std::strtoull(arguments[2], nullptr, 10));

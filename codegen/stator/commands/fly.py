@@ -19,6 +19,7 @@ from stator.flight.arguments import (
     is_recorded,
     is_windy,
     memory_of,
+    params_of,
     place_options,
     rates_of,
     recording_of,
@@ -27,6 +28,7 @@ from stator.flight.arguments import (
     times_of,
 )
 from stator.flight.facts import NOT_WHOLE, alone, default_log, facts_of, keep, mission_facts
+from stator.flight.params import add_param_argument, param_facts
 from stator.flight.progress import progress
 from stator.flight.report import report
 from stator.processes import run
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_flight_arguments(parser, board="sitl", what="a board with a simulated world")
+    add_param_argument(parser)
     parser.add_argument(
         "--times",
         choices=["zero", "budget", "random"],
@@ -58,6 +61,7 @@ def main(arguments: argparse.Namespace) -> int:
     """0 if the flight was successful; 1 if it failed or could not be judged."""
     mission = complete(arguments)
     faults = faults_of(arguments)
+    params = params_of(arguments)
     variant = {} if arguments.times == "zero" else PREEMPTION
     times = times_of(arguments)
     program = build(
@@ -83,7 +87,7 @@ def main(arguments: argparse.Namespace) -> int:
             setting=setting_of(arguments, mission),
         )
     facts |= mission_facts(arguments, mission)
-    facts |= failures_of(faults) | rates_of(arguments)
+    facts |= param_facts(params) | failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())
     facts |= {"wind_m_s": arguments.wind, "wind_from_deg": arguments.wind_from}

@@ -7,6 +7,7 @@ import contextlib
 import hashlib
 import json
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from stator.arguments import path
 from stator.build.cmake import build_replay
 from stator.diagnostics import ANSWER_IS_NO, Failed, UserError, shown_path
 from stator.emit.recording import definitions
+from stator.flight.params import Replaced, in_words, param_options
 from stator.flight.progress import progress
 from stator.flight.recording import Recording, fields_of, logged_sample, read_recording
 from stator.pipeline import make_plan
@@ -53,6 +55,7 @@ def main(arguments: argparse.Namespace) -> int:
     program = build_replay(subject.plan)
     with progress(f"replaying {arguments.log.name} ..."):
         command = [program, arguments.log, str(recording.good_bytes)]
+        command += param_options(flown_params(recording, subject.plan))
         finished = run(command, check=False, capture_output=True)
     if finished.returncode != 0:
         raise UserError(finished.stderr.rstrip() or "error: the replay program ended unexpectedly")
@@ -102,6 +105,20 @@ def kept_graph(recording: Recording) -> Path | None:
         if facts.get("log_sha256") == hashlib.sha256(recording.data).hexdigest():
             return Path(facts["graph_file"])
     return None
+
+
+def flown_params(recording: Recording, plan: Plan) -> list[Replaced]:
+    """What `--param` replaced in this flight, as far as the graph has it."""
+    found = []
+    for name, number in recording.replaced.items():
+        node, _, key = name.partition(".")
+        values = plan.graph.nodes[node].params if node in plan.graph.nodes else {}
+        if key in values:
+            param = plan.graph.nodes[node].interface.params[key]
+            value = bool(number) if param.type == "bool" else number
+            exact = Fraction(value) if isinstance(value, float) else value
+            found.append(Replaced(node, param, exact, values[key]))
+    return found
 
 
 def _refuse_misfits(recording: Recording, plan: Plan, name: str) -> None:
@@ -166,6 +183,7 @@ def facts_of(recording: Recording, subject: Subject, run: Facts) -> Facts:
         "board": board,
         "graph_hash": recording.hash,
         "same_hash": subject.same_hash,
+        "params": [row.as_json() for row in flown_params(recording, subject.plan)],
         "log": str(recording.log.resolve()),
     }
 
@@ -219,6 +237,7 @@ def _rows(facts: Facts) -> list[tuple[str, str]]:
     rows = [("run", f"{counts}{len(facts['topics'])} topics, {until}")]
     if not facts["same_hash"]:
         rows.append(("graph", "it has changed since the recording (another hash), and still fits"))
+    rows += [("param", f"{row['name']} = {in_words(row['value'])}, as flown") for row in facts["params"]]
     if facts["ends_early"]:
         rows += [("ends", reason) for reason in str(facts["reason"]).split("; ")]
     if facts["first_difference"] is not None:

@@ -31,6 +31,7 @@ from stator.flight.arguments import (
     is_recorded,
     is_windy,
     memory_of,
+    params_of,
     place_options,
     rates_of,
     recording_of,
@@ -38,6 +39,7 @@ from stator.flight.arguments import (
 )
 from stator.flight.facts import complaint_of, default_log, facts_of, keep, mission_facts
 from stator.flight.nonvolatile import nonvolatile_facts, nonvolatile_of, nonvolatile_rows
+from stator.flight.params import add_param_argument, param_facts
 from stator.flight.progress import progress
 from stator.flight.report import flight_rows, log_rows, show, watch_rows
 from stator.flight.restarts import run_lives
@@ -66,6 +68,7 @@ OWN_FACTS = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_flight_arguments(parser, board="linux", what="a board that runs on threads")
+    add_param_argument(parser)
     _add_device_arguments(parser)
     machine = parser.add_argument_group("this machine")
     machine.add_argument(
@@ -150,6 +153,7 @@ def main(arguments: argparse.Namespace) -> int:
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     faults = faults_of(arguments)
+    params = params_of(arguments)
     program = build(arguments.graph, arguments.board, recording_of(arguments), executor="pthread")
     flies = _flies(arguments)
     memory = nonvolatile_of(arguments, log)
@@ -178,7 +182,7 @@ def main(arguments: argparse.Namespace) -> int:
         in_wind=is_windy(arguments),
         setting=setting_of(arguments, mission),
     )
-    facts |= failures_of(faults)
+    facts |= param_facts(params) | failures_of(faults)
     facts |= mission_facts(arguments, mission)
     facts["logs_before_restart"] = [str(path.resolve()) for path in earlier]
     facts["nonvolatile"] = nonvolatile_facts(memory, facts.get("nonvolatile"))

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from stator.plan.plan import Plan
 
 MANIFEST = "generated_files.txt"
-EXECUTORS = ("cortex_m", "pthread", "virtual")
+HOSTS = ("pthread", "virtual")
+EXECUTORS = ("cortex_m", *HOSTS)
 
 
 def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
@@ -46,7 +47,11 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
     for task in tasks:
         files[f"tasks/{task.name}.cpp"] = _render("task.cpp.j2", task.mark, task=task)
     files["parameters.cpp"] = _render(
-        "parameters.cpp.j2", graph, nodes=parameters, recorded=recorded
+        "parameters.cpp.j2",
+        graph,
+        nodes=parameters,
+        recorded=recorded,
+        hosted=plan.board.executor in HOSTS,
     )
     table = params.table(plan)
     if table is not None:
@@ -63,6 +68,7 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
             graph=plan.graph.name,
             hash=graph_hash(plan),
             recording=record,
+            hosted=plan.board.executor in HOSTS,
         )
     if record:
         row = recording.recording_row(plan, _shown(plan.graph.file))

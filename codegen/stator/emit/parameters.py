@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from stator.graph.model import Message, Node, Param
     from stator.plan.plan import Plan
 
+TYPES = {"float": "kFloat", "int32": "kInt32", "bool": "kBool"}
 KINDS = {"float": "real", "int32": "whole", "bool": "flag"}
 # The range of a parameter without `range`: the values that the checker accepts for its type.
 WITHOUT_RANGE = {"float": "1e+37F", "int32": "2147483647"}
@@ -23,12 +24,14 @@ WITHOUT_RANGE = {"float": "1e+37F", "int32": "2147483647"}
 class NamedValue:
     name: str
     value: str
+    type: str
 
 
 @dataclass(frozen=True)
 class StartValues:
     """The parameters of a node, before anything runs."""
 
+    name: str
     topic: str
     message: str
     values: list[NamedValue]
@@ -51,9 +54,13 @@ class ParameterTable:
 def start_values(plan: Plan) -> list[StartValues]:
     return [
         StartValues(
+            name=node.name,
             topic=f"{node.name}_params",
             message=node.interface.params_message.name,
-            values=[NamedValue(key, literal(value)) for key, value in node.params.items()],
+            values=[
+                NamedValue(key, literal(value), TYPES[node.interface.params[key].type])
+                for key, value in node.params.items()
+            ],
         )
         for node in plan.graph.nodes.values()
         if node.interface.params_message is not None

@@ -16,6 +16,7 @@ from stator.diagnostics import UserError, shown_path
 from stator.flight.faults import Fault, read_faults, unseen
 from stator.flight.invariants import Setting
 from stator.flight.log import MODES
+from stator.flight.params import param_options, read_params, with_params
 from stator.mission.fence import Fence
 from stator.mission.read import read_mission
 from stator.mission.route import origin_of, seconds_of, walk
@@ -26,6 +27,8 @@ from stator.pipeline import make_plan
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from stator.flight.params import Replaced
+    from stator.graph.model import Graph
     from stator.mission.model import Mission
     from stator.plan.plan import Plan
 
@@ -133,7 +136,7 @@ def complete(arguments: argparse.Namespace) -> Mission | None:
             f"error: missing node of app 'mission' in {shown_path(arguments.graph)}\n"
             "hint: omit GRAPH, or include quad_outdoor.yaml in your graph"
         )
-    vehicle = vehicle_of(plan.graph)
+    vehicle = vehicle_of(flown_graph(arguments, plan))
     mission = read_mission(wanted, vehicle)
     if arguments.duration is None:
         seconds = seconds_of(mission, vehicle)
@@ -186,9 +189,23 @@ def flight_options(arguments: argparse.Namespace) -> list[str]:
         for text in fault.options()
         for word in ("--fail", text)
     ]
+    options += param_options(params_of(arguments))
     if arguments.pilot is not None:
         options += ["--pilot", str(arguments.pilot.resolve())]
     return options
+
+
+def params_of(arguments: argparse.Namespace) -> list[Replaced]:
+    """Raises `UserError` for one that the graph does not have, or a value that it cannot have."""
+    texts = getattr(arguments, "param", [])  # an image has its parameters built in
+    if not texts:
+        return []
+    return read_params(make_plan(str(arguments.graph), arguments.board).graph, texts)
+
+
+def flown_graph(arguments: argparse.Namespace, plan: Plan) -> Graph:
+    """The graph with the parameters of this flight."""
+    return with_params(plan.graph, params_of(arguments))
 
 
 def faults_of(arguments: argparse.Namespace) -> list[Fault]:
@@ -288,7 +305,7 @@ def setting_of(arguments: argparse.Namespace, mission: Mission | None = None) ->
         return Setting(unseen_s=unseen_s, cannot_steer_s=adrift_s)
     table = commander.interface.failsafe
     assert table is not None
-    vehicle = vehicle_of(plan.graph)
+    vehicle = vehicle_of(flown_graph(arguments, plan))
     radius, height, origin = vehicle.fence_radius, vehicle.fence_height, None
     if mission is not None:
         origin = origin_of(mission)

@@ -39,6 +39,7 @@ class Recording:
     hash: str = ""
     lines: list[str] = field(default_factory=list)
     gaps: dict[int, int] = field(default_factory=dict)  # level -> activations lost
+    replaced: dict[str, float] = field(default_factory=dict)  # parameters that an option replaced
     problem: str = ""  # why the rest of the file is not used; empty: all of it is
 
     def graph(self) -> tuple[str, str, str]:
@@ -95,6 +96,7 @@ def _walk(recording: Recording) -> bool:
     seen_any = False
     lines: list[str] = []
     gaps: dict[int, int] = {}
+    values: dict[str, float] = {}
     while at < len(data):
         end = at + MESSAGE_HEAD + int.from_bytes(data[at : at + 2], "little")
         if at + MESSAGE_HEAD > len(data) or end > len(data):
@@ -117,6 +119,11 @@ def _walk(recording: Recording) -> bool:
                 recording.lines, recording.gaps = list(lines), dict(gaps)
         elif kind == ord("I"):
             _read_info(recording, data[at + MESSAGE_HEAD : end])
+        elif kind == ord("P"):
+            values |= _parameter(data[at + MESSAGE_HEAD : end])
+        elif kind == ord("Q"):  # a default that does not count in this flight; behind its value
+            for name in _parameter(data[at + MESSAGE_HEAD + 1 : end]).keys() & values.keys():
+                recording.replaced.setdefault(name, values[name])
         at = end
     return seen_any
 
@@ -125,6 +132,16 @@ def _read_info(recording: Recording, content: bytes) -> None:
     key = content[1 : 1 + content[0]] if content else b""
     if key.endswith(b" ver_sw"):
         recording.hash = content[1 + content[0] :].decode(errors="replace")
+
+
+def _parameter(content: bytes) -> dict[str, float]:
+    """Name and value."""
+    key = content[1 : 1 + content[0]].decode(errors="replace") if content else ""
+    kind, _, name = key.partition(" ")
+    value = content[1 + len(key) :]
+    if kind not in ("float", "int32_t") or len(value) != 4:
+        return {}
+    return {name: struct.unpack("<" + FORMATS[kind], value)[0]}
 
 
 def fields_of(layout: str, sample: bytes) -> dict[str, int | float | bool]:

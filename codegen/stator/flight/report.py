@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from stator.diagnostics import UserError, in_place, shown_argument, shown_path
+from stator.flight.params import param_rows
 
 
 def report(facts: dict[str, object]) -> None:
@@ -30,7 +31,7 @@ def show(facts: dict[str, object], more: list[tuple[str, str]]) -> None:
 
 
 def flight_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
-    rows = _failure_rows(facts)
+    rows = [*param_rows(facts), *_failure_rows(facts)]
     rows += _mission_rows(facts) if facts.get("mission") else []
     limits = facts.get("limits", {})
     assert isinstance(limits, dict)

@@ -7,6 +7,7 @@
 #include "stator/events.hpp"
 #include "stator/parameters.hpp"
 #include "stator/recording.hpp"
+#include "stator/start_values.hpp"
 #include "stator/topic.hpp"
 
 namespace stator {
@@ -48,6 +49,7 @@ struct LogTable {
     uint32_t topic_count;
     const LogParameter* parameters;
     uint32_t parameter_count;
+    const StartValues* start = nullptr;     // the same parameters, where an option may replace them
     const LogChanges* changes = nullptr;  // none where parameters are fixed
     const LogEvents* events;
     const char* graph;                          // name
