@@ -49,6 +49,7 @@ COMMANDS = (
     Command("listener", "", "print the samples of a topic of a running vehicle"),
     Command("perf", "", "show the measured times of a running vehicle beside their bounds"),
     Command("plot", "", "draw plots of a flight from its log"),
+    Command("compare", "", "show what differs between two flights, and draw both"),
     Command("replay", "host", "repeat a recorded flight and compare every sample"),
     Command("score", "host", "score an estimator on recorded sensor data"),
     Command("bench", "host", "compare speed with other software, as ratios within one run"),

@@ -35,7 +35,8 @@ int main(int count, char** arguments) {
     if (!stator::take_start_values(count, arguments)) return 2;
     if (count != 3) {
         std::fputs(
-            "error: expected a log, the number of its bytes to use, and --param for each value that "
+            "error: expected a log, the number of its bytes to use, and --param for each value "
+            "that "
             "replaced the graph's\n",
             stderr);
         return 2;

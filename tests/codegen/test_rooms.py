@@ -13,7 +13,7 @@ GROUND = (
 )
 ROOMS = (
     *("language", "graph", "plan", "emit", "pipeline", "build", "mission", "live", "flight"),
-    *("score", "emulator", "bench", "schema", "testing", "commands", "__main__"),
+    *("charts", "score", "emulator", "bench", "schema", "testing", "commands", "__main__"),
 )
 RANK = dict.fromkeys(GROUND, 0) | {name: i for i, name in enumerate(ROOMS, 1)}
 

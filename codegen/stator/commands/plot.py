@@ -1,4 +1,4 @@
-"""`./stator plot`: draws one picture of a flight."""
+"""`./stator plot`: draws a flight as one picture, or topics of its log over time."""
 
 from __future__ import annotations
 
@@ -18,6 +18,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "log", type=path, help="ULog file, for example build/flights/quad-seed1.ulg"
     )
     parser.add_argument(
+        "--topic",
+        action="append",
+        default=[],
+        metavar="TOPIC[.FIELD]",
+        help="draw this over time, instead of the flight; use it once for each panel",
+    )
+    parser.add_argument(
         "-o",
         "--output",
         type=path,
@@ -28,6 +35,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     output: Path = arguments.output or arguments.log.with_suffix(".png")
-    draw(arguments.log, output)
+    if arguments.topic:
+        from stator.charts.topics import draw_topics
+
+        if arguments.output is None:
+            output = output.with_name(f"{arguments.log.stem}.topics.png")
+        draw_topics([arguments.log], arguments.topic, output)
+    else:
+        draw(arguments.log, output)
     print(f"{shown_path(output)}: written")
     return 0

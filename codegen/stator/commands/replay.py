@@ -237,7 +237,9 @@ def _rows(facts: Facts) -> list[tuple[str, str]]:
     rows = [("run", f"{counts}{len(facts['topics'])} topics, {until}")]
     if not facts["same_hash"]:
         rows.append(("graph", "it has changed since the recording (another hash), and still fits"))
-    rows += [("param", f"{row['name']} = {in_words(row['value'])}, as flown") for row in facts["params"]]
+    rows += [
+        ("param", f"{row['name']} = {in_words(row['value'])}, as flown") for row in facts["params"]
+    ]
     if facts["ends_early"]:
         rows += [("ends", reason) for reason in str(facts["reason"]).split("; ")]
     if facts["first_difference"] is not None:

@@ -147,4 +147,3 @@ def _with_unit(param: Param, value: str) -> str:
     if parts is None or parts[1] or param.unit in CONVERSIONS:
         return value
     return f"{value} {param.unit}"
-

@@ -6,12 +6,13 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from stator.diagnostics import UserError
 from stator.flight.log import (
+    ARMED,
     NAV_STATES,
     Floats,
     Truth,
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from pyulog import ULog
 
 ROTORS = 4
+DISARMED_MODE = -1
+Mode: TypeAlias = tuple[float, float, str]  # from, to, name
 
 
 @dataclass(frozen=True)
@@ -50,15 +53,16 @@ class Flown:
     setpoint: Series | None
     attitude: Series | None  # q_NB
     motors: Series | None
-    modes: list[tuple[float, float, str]]  # from, to, name
+    modes: list[Mode]
     facts: dict[str, Any]  # of the flight's report
 
 
-def read(file: Path) -> Flown:
+def open_log(file: Path) -> ULog:
+    """Raises `UserError` for an unreadable one."""
     from pyulog import ULog
 
     try:
-        log = ULog(str(file))
+        return ULog(str(file))
     except OSError as error:
         raise UserError(
             f"error: cannot read '{file}': {error.strerror}\n"
@@ -66,6 +70,10 @@ def read(file: Path) -> Flown:
         ) from None
     except Exception as error:  # a damaged file can raise any exception in the reader
         raise UserError(f"error: cannot read '{file}' as ULog: {error}") from None
+
+
+def read(file: Path) -> Flown:
+    log = open_log(file)
     flown = Flown(
         title=str(log.msg_info_dict.get("graph", file.stem)),
         truth=_truth(file),
@@ -73,8 +81,8 @@ def read(file: Path) -> Flown:
         setpoint=_series(log, "trajectory_setpoint", indexed("position", 3)),
         attitude=_series(log, "vehicle_attitude", indexed("q", 4)),
         motors=_series(log, "actuator_motors", indexed("control", ROTORS)),
-        modes=list(_modes(log)),
-        facts=_facts(file),
+        modes=list(modes_of_log(log)),
+        facts=report_beside(file),
     )
     if flown.position is None and flown.truth is None:
         raise UserError(
@@ -94,7 +102,7 @@ def _truth(file: Path) -> Truth | None:
         ) from None
 
 
-def _facts(file: Path) -> dict[str, Any]:
+def report_beside(file: Path) -> dict[str, Any]:
     """The report that `fly` writes beside the log."""
     report = file.with_suffix(".json")
     if not report.is_file():
@@ -111,15 +119,18 @@ def _series(log: ULog, name: str, names: list[str]) -> Series | None:
     return Series(seconds(data["timestamp"]), columns(data, names))
 
 
-def _modes(log: ULog) -> Iterator[tuple[float, float, str]]:
+def modes_of_log(log: ULog) -> Iterator[Mode]:
+    """From, to, name of the flight mode; disarmed, the mode does not matter."""
     try:
         status = topic(log, "vehicle_status")
     except UnreadableFlight:
         return
     time_s = seconds(status["timestamp"])
-    state = status["nav_state"].astype(int)
+    armed = status["arming_state"].astype(int) == ARMED
+    state = np.where(armed, status["nav_state"].astype(int), DISARMED_MODE)
     edges = [0, *(np.flatnonzero(np.diff(state)) + 1), state.size]
     for begin, end in pairwise(edges):
         until = time_s[end] if end < state.size else time_s[-1]
         number = int(state[begin])
-        yield float(time_s[begin]), float(until), NAV_STATES.get(number, f"mode {number}")
+        name = "disarmed" if number == DISARMED_MODE else NAV_STATES.get(number, f"mode {number}")
+        yield float(time_s[begin]), float(until), name

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stator.diagnostics import UserError
-from stator.flight.pictures import Flown, Series, read
+from stator.flight.pictures import Flown, Mode, Series, read
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 FORMATS = (".png", ".svg", ".pdf")
 MIN_MAP_M = 2.0
+LEAST_NAMED = 0.03  # of the whole time, of a band with a name
+LETTER = 0.012  # the width of one, of the whole time
 HALF_TURN_DEG = 180.0
 # Colour-blind safe (Okabe and Ito); each colour has one meaning in all panels.
 # The truth is a wide line below the estimate, so that differences are visible.
@@ -30,12 +33,20 @@ BANDS = ("#f0f0f0", "#dcebf5", "#e5f3e6", "#fdf1d8", "#f3e3ee", "#e8e8f8")
 
 def draw(log: Path, output: Path) -> None:
     """Raises `UserError` for an unreadable log or an unknown file format."""
+    check_format(output)
+    save(_figure(read(log)), output)
+
+
+def check_format(output: Path) -> None:
     if output.suffix not in FORMATS:
         raise UserError(
             f"error: expected a file name that ends in {', '.join(FORMATS)}, found "
             f"'{output.name}'\nhint: write for example flight.png"
         )
-    figure = _figure(read(log))
+
+
+def save(figure: Figure, output: Path) -> None:
+    check_format(output)
     try:
         # No date and no version: the same flight gives the same bytes.
         metadata = {"Date": None} if output.suffix == ".svg" else {"Software": None}
@@ -60,7 +71,7 @@ def _figure(flown: Flown) -> Figure:
     _draw_map(areas["map"], flown)
     times = ["altitude", "attitude", "error", "motors"]
     for name, paint in zip(times, (_altitude, _attitude, _error, _motors), strict=True):
-        _bands(areas[name], flown, named=name == times[0])
+        bands(areas[name], flown.modes, named=name == times[0])
         paint(areas[name], flown)
         areas[name].sharex(areas[times[-1]])
         areas[name].tick_params(labelbottom=name == times[-1])
@@ -99,7 +110,7 @@ def _draw_map(axes: Axes, flown: Flown) -> None:
             north_m, east_m, _ = problem["position_m"]
             axes.plot(east_m, north_m, "X", color=FAILED, ms=9, zorder=5, label="limit broken")
     _wind(axes, flown)
-    _square(axes)
+    square(axes)
     axes.set_xlabel("east (m)")
     axes.set_ylabel("north (m)")
     axes.set_title("path", fontsize=10)
@@ -107,7 +118,7 @@ def _draw_map(axes: Axes, flown: Flown) -> None:
     _legend(axes)
 
 
-def _square(axes: Axes) -> None:
+def square(axes: Axes) -> None:
     """The same scale on both axes, and a minimum size: a hover of centimetres stays small."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     side = max(right - left, high - low, MIN_MAP_M)
@@ -148,10 +159,10 @@ def _altitude(axes: Axes, flown: Flown) -> None:
 
 def _attitude(axes: Axes, flown: Flown) -> None:
     if flown.truth is not None:
-        for angle in _euler_deg(flown.truth.q).T:
+        for angle in euler_deg(flown.truth.q).T:
             axes.plot(flown.truth.time_s, angle, color=TRUTH, lw=TRUTH_WIDTH)
     if flown.attitude is not None:
-        angles = _euler_deg(flown.attitude.values)
+        angles = euler_deg(flown.attitude.values)
         for name, angle, color in zip(("roll", "pitch", "yaw"), angles.T, LINES, strict=False):
             axes.plot(flown.attitude.time_s, angle, color=color, lw=1.0, label=name)
     axes.set_ylabel("attitude (deg)")
@@ -164,16 +175,16 @@ def _error(axes: Axes, flown: Flown) -> None:
         return
     if flown.truth is not None:
         true = Series(flown.truth.time_s, flown.truth.position)
-        axes.plot(*_distance(flown, flown.setpoint, true), color=TRUTH, lw=TRUTH_WIDTH)
+        axes.plot(*distance(flown, flown.setpoint, true), color=TRUTH, lw=TRUTH_WIDTH)
     if flown.position is not None:
-        axes.plot(*_distance(flown, flown.setpoint, flown.position), color=ESTIMATE, lw=1.0)
+        axes.plot(*distance(flown, flown.setpoint, flown.position), color=ESTIMATE, lw=1.0)
     for problem in flown.facts.get("problems", []):
         if problem.get("time_s") is not None:
             axes.axvline(problem["time_s"], color=FAILED, lw=1.5)
     axes.set_ylim(bottom=0.0)
 
 
-def _distance(flown: Flown, setpoint: Series, position: Series) -> tuple[Floats, Floats]:
+def distance(flown: Flown, setpoint: Series, position: Series) -> tuple[Floats, Floats]:
     index = np.searchsorted(setpoint.time_s, position.time_s, side="right") - 1
     known = (index >= 0) & (position.time_s < (flown.facts.get("touchdown_s") or np.inf))
     off = position.values[known] - setpoint.values[index[known]]
@@ -195,25 +206,22 @@ def _motors(axes: Axes, flown: Flown) -> None:
     axes.set_ylim(0.0, 100.0)
 
 
-def _bands(axes: Axes, flown: Flown, *, named: bool) -> None:
+def bands(axes: Axes, modes: list[Mode], *, named: bool) -> None:
     """The flight modes as bands behind the curves, each in its own shade."""
-    shades = {name: BANDS[i % len(BANDS)] for i, name in enumerate(_names(flown))}
-    whole = flown.modes[-1][1] - flown.modes[0][0] if flown.modes else 0.0
-    for begin, end, name in flown.modes:
+    names = list(dict.fromkeys(name for _, _, name in modes))
+    shades = {name: BANDS[i % len(BANDS)] for i, name in enumerate(names)}
+    whole = modes[-1][1] - modes[0][0] if modes else 0.0
+    taken = [-math.inf, -math.inf]  # where the texts of each row end
+    for begin, end, name in modes:
         axes.axvspan(begin, end, color=shades[name], lw=0.0, zorder=0)
-        if named and end - begin > 0.04 * whole:
-            axes.text(
-                (begin + end) / 2,
-                1.02,
-                name,
-                transform=axes.get_xaxis_transform(),
-                ha="center",
-                fontsize=8,
-            )
-
-
-def _names(flown: Flown) -> list[str]:
-    return list(dict.fromkeys(name for _, _, name in flown.modes))
+        if not named or end - begin <= LEAST_NAMED * whole:
+            continue
+        middle, half = (begin + end) / 2, LETTER * len(name) * whole / 2
+        row = 0 if middle - half > taken[0] else 1
+        if middle - half > taken[row]:
+            taken[row] = middle + half
+            place, y = axes.get_xaxis_transform(), 1.02 + 0.1 * row
+            axes.text(middle, y, name, transform=place, ha="center", fontsize=8)
 
 
 def _legend(axes: Axes) -> None:
@@ -223,7 +231,7 @@ def _legend(axes: Axes) -> None:
         axes.legend(once.values(), once.keys(), fontsize=7, ncols=len(once), loc="upper right")
 
 
-def _euler_deg(q: Floats) -> Floats:
+def euler_deg(q: Floats) -> Floats:
     """Roll, pitch, yaw of q_NB (w x y z), for people."""
     w, x, y, z = q.T
     roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))

@@ -49,7 +49,7 @@ struct LogTable {
     uint32_t topic_count;
     const LogParameter* parameters;
     uint32_t parameter_count;
-    const StartValues* start = nullptr;     // the same parameters, where an option may replace them
+    const StartValues* start = nullptr;   // the same parameters, where an option may replace them
     const LogChanges* changes = nullptr;  // none where parameters are fixed
     const LogEvents* events;
     const char* graph;                          // name

@@ -45,7 +45,7 @@ def offers(script: Path, *words: str) -> list[str]:
 
 def test_every_command_is_offered(bash_script: Path) -> None:
     assert offers(bash_script, "./stator", "") == [command.name for command in COMMANDS]
-    assert offers(bash_script, "./stator", "comp") == ["completion"]
+    assert offers(bash_script, "./stator", "compl") == ["completion"]
 
 
 @pytest.mark.parametrize(
