@@ -91,13 +91,11 @@ def _figures(first: dict[str, Any], second: dict[str, Any]) -> list[dict[str, An
     """All that one of them has, equal or not."""
     rows = []
     for key in FIGURES:
-        values = [facts.get(key) for facts in (first, second)]
-        if values == [None, None]:
+        one, other = first.get(key), second.get(key)
+        if one is None and other is None:
             continue
-        both = all(isinstance(v, int | float) for v in values)
-        rows.append(
-            {"key": key, "values": values, "difference": values[1] - values[0] if both else None}
-        )
+        change = None if one is None or other is None else other - one
+        rows.append({"key": key, "values": [one, other], "difference": change})
     return rows
 
 
