@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
+from stator.build.contents import by_content
 from stator.build.paths import check_paths, input_paths
 from stator.diagnostics import BuildFailed, shown_path
 from stator.lock import Held, Line, held, held_if_free
@@ -133,13 +134,14 @@ def configure(folder: Path, options: list[str], targets: list[str]) -> None:
         # CMake keeps the settings of an earlier toolchain file, and the programs that it found.
         text = "\n".join([*arguments, *_tools(options), TOOLCHAIN.read_text(encoding="utf-8")])
         content = os.fsencode(text)
-        if not stamp.is_file() or stamp.read_bytes() != content:
-            shutil.rmtree(folder, ignore_errors=True)
-            _remove_orphans()
-            _run(["cmake", "-S", str(HOME), "-B", str(folder), "-G", "Ninja", *arguments], lock)
-            stamp.write_bytes(content)
-        if targets:
-            _run(["cmake", "--build", str(folder), "--target", *targets], lock)
+        with by_content(folder):
+            if not stamp.is_file() or stamp.read_bytes() != content:
+                shutil.rmtree(folder, ignore_errors=True)
+                _remove_orphans()
+                _run(["cmake", "-S", str(HOME), "-B", str(folder), "-G", "Ninja", *arguments], lock)
+                stamp.write_bytes(content)
+            if targets:
+                _run(["cmake", "--build", str(folder), "--target", *targets], lock)
 
 
 def _remove_orphans() -> None:

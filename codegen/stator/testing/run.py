@@ -11,6 +11,7 @@ from pathlib import Path
 
 from stator import HOME
 from stator.build.cmake import lock_of
+from stator.build.contents import by_content
 from stator.build.paths import check_paths
 from stator.diagnostics import in_place
 from stator.lock import held
@@ -165,7 +166,8 @@ def run_all(names: list[str], long: bool) -> list[Case]:
 def _run_all(folder: Path, names: list[str], long: bool) -> list[Case]:
     environment = environment_of_tests(HOME)
     selection = select(HOME, names)
-    failure = build(folder, selection, environment)
+    with by_content(folder):
+        failure = build(folder, selection, environment)
     if failure:
         print(f"\n--- {failure.name} failed:\n{failure.text}", flush=True)
         return [failure]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import zlib
@@ -160,6 +161,11 @@ def test_changed_code_is_found_at_its_first_sample(
     # The log has samples of its last activations, but not their records.
     is_replayed = logged["timestamp"] <= round(replayed["replayed_until_s"] * 1e6)
     assert replayed["different_samples"] == sum(rows[is_replayed] >= 4)
+
+    source = graph.parent / "apps" / "gather" / "gather.hpp"
+    shutil.copy2(MIXED.parent / "apps" / "gather" / "gather.hpp", source)
+    os.utime(source, ns=(10**18, 10**18))  # older than what was built
+    assert replay(capsys, mixed, "--graph", str(graph))["equal"]
 
 
 def test_a_changed_parameter_is_named_and_the_recorded_one_is_used(
