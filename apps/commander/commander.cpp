@@ -179,6 +179,65 @@ void Commander::take_arm_switch(const CommanderPorts& ports, float dt) {
     choose(wish_);
 }
 
+// What a mission lacks counts only where it would be flown.
+VehicleCommandAck::Result Commander::arm_by_command(const CommanderPorts& ports) {
+    using Result = VehicleCommandAck::Result;
+    if (is_armed_) return Result::kAccepted;
+    HealthReport health = health_;
+    health.mission_ok = mode_ != Nav::kMission || (ports.result && ports.result->valid);
+    const bool is_fit = health.sensors_ok && health.estimator_ok && health.battery_ok &&
+                        health.motors_ok && health.rc_ok && health.logging_ok && health.mission_ok;
+    const bool throttle_is_safe = !is_flown_by_hand(mode_) || ports.sticks->throttle < kLowThrottle;
+    if (!is_fit || !throttle_is_safe) return Result::kTemporarilyRejected;
+    // The end of the flight before is not the begin of this one.
+    const bool is_end = mode_ == Nav::kLand || mode_ == Nav::kDescend || mode_ == Nav::kReturn ||
+                        mode_ == Nav::kTermination;
+    if (is_end) mode_ = Nav::kHold;
+    arm(ports);
+    return Result::kAccepted;
+}
+
+VehicleCommandAck::Result Commander::obey(const CommanderPorts& ports,
+                                          const VehicleCommand& command) {
+    using Result = VehicleCommandAck::Result;
+    const auto result_of = [](bool is_done) {
+        return is_done ? Result::kAccepted : Result::kTemporarilyRejected;
+    };
+    switch (command.action) {
+        case VehicleCommand::Action::kArm:
+            return arm_by_command(ports);
+        case VehicleCommand::Action::kDisarm:
+            if (is_armed_ && !(ports.land && ports.land->landed)) return result_of(false);
+            disarm();
+            return Result::kAccepted;
+        case VehicleCommand::Action::kKill:
+            if (is_armed_) mode_ = Nav::kTermination;
+            disarm();
+            return Result::kAccepted;
+        case VehicleCommand::Action::kSetMode: {
+            const auto mode = static_cast<Nav>(command.nav_state);
+            choose(mode);
+            return result_of(mode_ == mode);
+        }
+        case VehicleCommand::Action::kGo:
+            if (is_armed_ && !is_on_ground_) choose(Nav::kHold);
+            return result_of(is_armed_ && !is_on_ground_ && mode_ == Nav::kHold);
+        case VehicleCommand::Action::kSetItem:
+            if (!ports.result || command.item >= ports.result->seq_total) return Result::kDenied;
+            return Result::kAccepted;
+    }
+    return Result::kUnsupported;
+}
+
+void Commander::take_command(CommanderPorts& ports) {
+    if (!ports.command.is_new()) return;
+    const VehicleCommand& command = *ports.command;
+    const auto result = obey(ports, command);
+    ports.ack.publish([&] { return VehicleCommandAck{.tag = command.tag, .result = result}; });
+    if (result != VehicleCommandAck::Result::kAccepted) return;
+    ports.accepted.publish([&] { return command; });
+}
+
 void Commander::fly(const CommanderPorts& ports, float dt) {
     const bool is_over = ports.result && ports.result->finished &&
                          ports.result->nav_state == static_cast<uint8_t>(mode_);
@@ -221,6 +280,7 @@ void Commander::step(CommanderPorts& ports) {
     take_place(ports, dt);
     take_events(ports, dt);
     take_wish(ports, dt);
+    take_command(ports);
     if (is_armed_) fly(ports, dt);
     using Arming = VehicleStatus::ArmingState;
     // First home, then the status that starts what needs it.

@@ -12,7 +12,8 @@ namespace stator::apps::commander {
 // Runs at a fixed period. An input that is absent counts against arming, and in flight as lost. A
 // mode switch counts when it moves, and only if the failsafe table lets that mode go on. After a
 // failsafe nothing returns by itself to the mode before. On the ground a failsafe only disarms, and
-// a return is refused: nothing but the pilot's stick or a mission leaves the ground.
+// a return is refused: nothing but the pilot's stick, a mission or a take-off leaves the ground.
+// A command counts like a switch that moves; the newest of both wins.
 class Commander {
   public:
     void step(CommanderPorts& ports);
@@ -25,6 +26,9 @@ class Commander {
     void take_events(const CommanderPorts& ports, float dt);
     void take_wish(const CommanderPorts& ports, float dt);
     void take_arm_switch(const CommanderPorts& ports, float dt);
+    void take_command(CommanderPorts& ports);
+    VehicleCommandAck::Result obey(const CommanderPorts& ports, const VehicleCommand& command);
+    VehicleCommandAck::Result arm_by_command(const CommanderPorts& ports);
     void fly(const CommanderPorts& ports, float dt);
     void arm(const CommanderPorts& ports);
     void disarm();

@@ -89,6 +89,33 @@ void Navigator::begin_mode() {
     sequence_.go_back_to_place();
 }
 
+// On the ground the flight that follows begins with it.
+void Navigator::go_on_with(unsigned item) {
+    if (!is_armed_) first_item_ = item;
+    is_over_ = false;
+    sequence_.go_on_with(item);
+    if (nav_state_ != Nav::kMission) return;
+    phase_ = 0;
+    in_phase_s_ = 0.0F;
+}
+
+void Navigator::take_command(const NavigatorPorts& ports) {
+    if (!ports.command.is_new()) return;
+    const VehicleCommand& command = *ports.command;
+    using Action = VehicleCommand::Action;
+    if (command.action == Action::kSetItem) return go_on_with(command.item);
+    const bool is_takeoff = command.action == Action::kSetMode &&
+                            command.nav_state == static_cast<uint8_t>(Nav::kTakeoff);
+    if (is_takeoff) takeoff_z_ = command.position[2];
+    if (command.action != Action::kGo || nav_state_ != Nav::kHold) return;
+    const auto or_here = [](float wish, float here) { return math::is_finite(wish) ? wish : here; };
+    // What is not given stays where the last goal was, or is.
+    const Vector3<float> place_N(or_here(command.position[0], position_N_.x()),
+                                 or_here(command.position[1], position_N_.y()),
+                                 or_here(command.position[2], position_N_.z()));
+    go(place_N, command.heading, {});
+}
+
 void Navigator::advance(const NavigatorPorts& ports, float dt) {
     switch (nav_state_) {
         case Nav::kTakeoff:
@@ -112,7 +139,8 @@ void Navigator::advance(const NavigatorPorts& ports, float dt) {
 
 void Navigator::advance_takeoff(const NavigatorPorts& ports) {
     if (phase_ == 0 && in_phase_s_ >= ports.params->spool_up_time) {
-        const float z = home_N_.z() - ports.params->takeoff_height;
+        const float usual_z = home_N_.z() - ports.params->takeoff_height;
+        const float z = math::is_finite(takeoff_z_) ? takeoff_z_ : usual_z;
         go({position_N_.x(), position_N_.y(), math::min(z, position_N_.z())}, kNaN, {});
         phase_ = 1;
     } else if (phase_ == 1 && has_arrived_) {
@@ -189,6 +217,8 @@ void Navigator::step(NavigatorPorts& ports) {
     const bool begins = armed && (!is_armed_ || ports.status->nav_state != nav_state_);
     if (armed && !is_armed_) {
         sequence_.restart();
+        sequence_.go_on_with(first_item_);
+        first_item_ = 0;
         is_over_ = false;
         has_left_ground_ = false;
         reached_ = -1;
@@ -201,6 +231,7 @@ void Navigator::step(NavigatorPorts& ports) {
         nav_state_ = ports.status->nav_state;
         begin_mode();
     }
+    take_command(ports);
     if (armed && !is_finished_) advance(ports, dt);
     read_plans(ports);
     reader_.finish(ports, dt);

@@ -30,6 +30,8 @@ class Navigator {
     // navigator.cpp
     void take_inputs(const NavigatorPorts& ports);
     void begin_mode();
+    void take_command(const NavigatorPorts& ports);
+    void go_on_with(unsigned item);
     void advance(const NavigatorPorts& ports, float dt);
     void advance_takeoff(const NavigatorPorts& ports);
     void advance_return(const NavigatorPorts& ports);
@@ -86,6 +88,9 @@ class Navigator {
     bool is_over_ = false;  // the whole mission
     bool waits_ = false;    // MissionResult
     bool has_left_ground_ = false;
+    unsigned first_item_ = 0;  // with which the next flight's mission begins
+    // Down, of the take-off that was wished for; not a number: the parameter's height.
+    float takeoff_z_ = math::canonical_nan<float>();
     int reached_ = -1;
     uint32_t flown_id_ = 0;
     float starved_s_ = 0.0F;  // without an item that is needed

@@ -51,6 +51,11 @@ class Sequence {
     // On the way: does what has become due. `is_there`: all that is left.
     void do_beside(ItemReader& reader, uint32_t id, const PlaceFrame& frame,
                    const Situation& situation, bool is_there);
+    // With this item next, whatever was flown.
+    void go_on_with(unsigned item) {
+        next_ = current_ = beside_ = item;
+        is_under_way_ = false;
+    }
     void arrive() { is_under_way_ = false; }
     // Another mission took the place of this one: of this, nothing is left but the place.
     void forget() {

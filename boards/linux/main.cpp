@@ -10,10 +10,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <string>
 
 #include "devices.hpp"
 #include "mission_memory.hpp"
@@ -82,6 +84,18 @@ void connect(board::RealWorld& world) {
     board::motors.write = [](const drivers::motor::sim::MotorSim::Control& control) {
         the_world->command_motors(control);
     };
+}
+
+// The lines with MAVLink. False after one line that says what is wrong.
+[[nodiscard]] bool open_mavlink(const world::Options& options) {
+    const std::array lines{&board::telem1, &board::telem2};
+    for (unsigned i = 0; i < options.mavlink_count; ++i) {
+        const std::string wrong = lines[i]->open(options.mavlink[i]);
+        if (wrong.empty()) continue;
+        std::fprintf(stderr, "error: --mavlink '%s': %s\n", options.mavlink[i], wrong.c_str());
+        return false;
+    }
+    return true;
 }
 
 [[nodiscard]] bool connect_can(board::RealWorld& world, const board::RunOptions& run) {
@@ -215,6 +229,7 @@ int main(int count, char** arguments) {
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
     if (run.nonvolatile != nullptr && !board::open_nonvolatile(run.nonvolatile)) return 2;
     if (options.mission != nullptr && !board::open_mission(options.mission)) return 2;
+    if (!open_mavlink(options)) return 2;
     board::RealWorld world(options.conditions, truth);
     connect(world);
     if (run.can_interface != nullptr && !connect_can(world, run)) return 2;

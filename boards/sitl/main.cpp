@@ -3,6 +3,8 @@
 // Exit status: 0 the run ended, whatever became of the vehicle; 1 a file could not be written
 // whole; 2 a wrong argument, or a file that cannot be opened.
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -62,11 +64,37 @@ void fly_on_without_log() {
     return false;
 }
 
+// Whoever starts a flight with MAVLink may end it with one of these.
+std::atomic<int> ending_signal = 0;
+
+void end_by_signals() {
+    const auto note = [](int number) { ending_signal.store(number); };
+    std::signal(SIGINT, note);
+    std::signal(SIGTERM, note);
+    sigset_t all;  // blocked until now, so that none is lost
+    sigfillset(&all);
+    pthread_sigmask(SIG_UNBLOCK, &all, nullptr);
+}
+
+// The lines with MAVLink. False after one line that says what is wrong.
+[[nodiscard]] bool open_mavlink(const world::Options& options) {
+    const std::array lines{&board::telem1, &board::telem2};
+    for (unsigned i = 0; i < options.mavlink_count; ++i) {
+        const std::string wrong = lines[i]->open(options.mavlink[i]);
+        if (wrong.empty()) continue;
+        std::fprintf(stderr, "error: --mavlink '%s': %s\n", options.mavlink[i], wrong.c_str());
+        return false;
+    }
+    return true;
+}
+
 // Not faster than real time times the speed. Only the host's clock waits; the flight is the same.
 void run_paced(const world::Options& options) {
     constexpr std::uint64_t kSlice_us = 10'000;
     const auto begin = std::chrono::steady_clock::now();
-    const auto is_over = [] { return board::world().is_over() || board::system0.restarts; };
+    const auto is_over = [] {
+        return board::world().is_over() || board::system0.restarts || ending_signal.load() != 0;
+    };
     for (std::uint64_t now_us = 0; now_us < options.duration_us && !is_over();) {
         now_us = std::min(now_us + kSlice_us, options.duration_us);
         run_until(now_us);
@@ -147,6 +175,8 @@ int main(int count, char** arguments) {
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
     std::FILE* mission = nullptr;
     if (!open(options.mission, mission, "r+b")) return 2;
+    if (!open_mavlink(options)) return 2;
+    if (options.mavlink_count != 0) end_by_signals();
     board::prepare(options.conditions, mission, truth);
     print(run(options, budgets));
     const bool log_written = close(options.log, board::log_storage.file,

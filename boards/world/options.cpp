@@ -59,6 +59,15 @@ bool read_path(const char* option, const char* value, const char*& path) {
     return *value != '\0' || refuse(option, value, "a path");
 }
 
+bool add_mavlink(const char* place, Options& options) {
+    if (options.mavlink_count == options.mavlink.size()) {
+        return refuse("--mavlink", place, "at most 2 lines");
+    }
+    options.mavlink[options.mavlink_count++] = place;
+    options.conditions.is_endless = true;
+    return true;
+}
+
 bool read_pilot(const char* path, Pilot& pilot) {
     std::FILE* const file = std::fopen(path, "rb");
     if (file == nullptr) {
@@ -144,6 +153,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--log") return read_path("--log", value, options.log);
     if (option == "--truth") return read_path("--truth", value, options.truth);
     if (option == "--mission") return read_path("--mission", value, options.mission);
+    if (option == "--mavlink") return add_mavlink(value, options);
     if (option == "--speed") return read_speed(value, options.speed);
     if (option == "--pilot") return read_pilot(value, options.conditions.pilot);
     if (option == "--seed") {
@@ -165,7 +175,8 @@ bool read_value(std::string_view option, const char* value, Options& options) {
         "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
         "--wind M_S, "
         "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
-        "--pilot FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR\n",
+        "--pilot FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR, "
+        "--mavlink PLACE\n",
         option.data());
     return false;
 }
@@ -173,11 +184,14 @@ bool read_value(std::string_view option, const char* value, Options& options) {
 }  // namespace
 
 bool parse(int count, const char* const* arguments, Options& options) {
+    bool has_pilot = false;
     for (int i = 1; i < count; i += 2) {
         // The element behind the last argument is a null pointer.
         const char* const value = i + 1 < count ? arguments[i + 1] : "";
         if (!read_value(arguments[i], value, options)) return false;
+        has_pilot = has_pilot || arguments[i] == std::string_view("--pilot");
     }
+    if (options.mavlink_count != 0 && !has_pilot) options.conditions.pilot.leave_alone();
     return true;
 }
 

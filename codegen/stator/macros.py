@@ -14,7 +14,8 @@ MACROS = frozenset(
     eigen_internal_assert eigen_plain_assert errno htobe16 htobe32 htobe64 htole16 htole32 htole64
     i386 ifa_broadaddr ifa_dstaddr ifc_buf ifc_req ifr_addr ifr_bandwidth ifr_broadaddr ifr_data
     ifr_dstaddr ifr_flags ifr_hwaddr ifr_ifindex ifr_map ifr_metric ifr_mtu ifr_name ifr_netmask
-    ifr_newname ifr_qlen ifr_slave issubnormal le16toh le32toh le64toh linux math_errhandling
+    ifr_newname ifr_qlen ifr_slave s6_addr s6_addr16 s6_addr32
+    issubnormal le16toh le32toh le64toh linux math_errhandling
     offsetof pthread_cleanup_pop pthread_cleanup_pop_restore_np pthread_cleanup_push
     pthread_cleanup_push_defer_np sa_handler sa_sigaction sched_priority setjmp si_addr si_addr_lsb
     si_arch si_band si_call_addr si_fd si_int si_lower si_overrun si_pid si_pkey si_ptr si_status

@@ -17,6 +17,7 @@ struct Conditions {
     Faults faults{};
     Pilot pilot{};
     Earth earth{};
+    bool is_endless = false;  // goes on when the motors stand still: others end it
 };
 
 }  // namespace stator::world

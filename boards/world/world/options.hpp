@@ -1,6 +1,7 @@
 // The command line of a simulated flight.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "world/conditions.hpp"
@@ -13,6 +14,10 @@ struct Options {
     const char* mission = nullptr;            // file of the mission device; none: it is empty
     std::uint64_t duration_us = 120'000'000;  // at most
     double speed = 0.0;  // at most so many times real time; 0: as fast as it goes
+    // Where MAVLink goes, of each line; a flight with one has a pilot who leaves all alone, and no
+    // end of its own.
+    std::array<const char*, 2> mavlink{};
+    unsigned mavlink_count = 0;
     bool random_times = false;
     const char* budgets = nullptr;  // TASK=MICROSECONDS, with commas; none: activations take none
     Conditions conditions{};

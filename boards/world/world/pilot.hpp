@@ -30,6 +30,8 @@ class Pilot {
 
     // Leaves the sticks alone, chooses mode slot 1, and arms after a second.
     Pilot();
+    // Touches neither sticks nor switches.
+    void leave_alone() { frames_ = {PilotFrame{}}; }
     // Follows the script in place of that. On an error, what is wrong; nothing has changed then.
     [[nodiscard]] std::string follow(std::string_view script);
 

@@ -48,7 +48,7 @@ class World {
     const Influence& influence() const { return influence_; }
     const FlightWatch& watch() const { return watch_; }
     bool has_fault(FaultKind kind) const;
-    bool is_over() const { return watch_.is_over(plant_.time_us()); }
+    bool is_over() const { return !conditions_.is_endless && watch_.is_over(plant_.time_us()); }
 
   private:
     void move_plant(std::uint64_t time_us);

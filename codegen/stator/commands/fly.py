@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from stator import HOME
 from stator.build.cmake import PREEMPTION, build, short_name
 from stator.diagnostics import ANSWER_IS_NO, UserError
 from stator.flight.arguments import (
@@ -28,9 +29,18 @@ from stator.flight.arguments import (
     times_of,
 )
 from stator.flight.facts import NOT_WHOLE, alone, default_log, facts_of, keep, mission_facts
+from stator.flight.mavlink import (
+    ENDLESS_S,
+    add_mavlink_argument,
+    check_mavlink,
+    mavlink_options,
+    serial_lines,
+    tell_mavlink,
+)
 from stator.flight.params import add_param_argument, param_facts
 from stator.flight.progress import progress
 from stator.flight.report import report
+from stator.flight.restarts import Endings
 from stator.processes import run
 
 if TYPE_CHECKING:
@@ -53,13 +63,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--speed",
         type=speed_of,
         metavar="FACTOR",
-        help="highest speed, as a multiple of real time (default: no limit)",
+        help="highest speed, as a multiple of real time (default: no limit; with --mavlink 1)",
     )
+    add_mavlink_argument(parser)
 
 
 def main(arguments: argparse.Namespace) -> int:
     """0 if the flight was successful; 1 if it failed or could not be judged."""
+    if arguments.mavlink:
+        arguments.speed = arguments.speed or 1.0
+        arguments.duration = arguments.duration or ENDLESS_S
+        arguments.graph = arguments.graph or HOME / "graph" / "quad_outdoor.yaml"
     mission = complete(arguments)
+    check_mavlink(arguments)
     faults = faults_of(arguments)
     params = params_of(arguments)
     variant = {} if arguments.times == "zero" else PREEMPTION
@@ -71,7 +87,8 @@ def main(arguments: argparse.Namespace) -> int:
     log = arguments.output or default_log(arguments.graph, arguments.seed, kind)
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     name = f"flying {arguments.graph.stem}, seed {arguments.seed}"
-    with alone(log), progress(name, truth, arguments.duration):
+    tell_mavlink(arguments)
+    with serial_lines(arguments), alone(log), progress(name, truth, arguments.duration):
         finished = _run(program, log, truth, arguments, mission, times)
         if finished.returncode not in (0, NOT_WHOLE):
             raise UserError(finished.stderr.rstrip())
@@ -82,6 +99,7 @@ def main(arguments: argparse.Namespace) -> int:
             mission,
             most_s=arguments.duration,
             judges=is_judged(arguments),
+            is_guided=bool(arguments.mavlink),
             is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
             setting=setting_of(arguments, mission),
@@ -108,10 +126,13 @@ def _run(
     times: list[str],
 ) -> subprocess.CompletedProcess[str]:
     command = [str(program), "--log", str(log), "--truth", str(truth)]
-    command += [*flight_options(arguments), *times]
+    command += [*flight_options(arguments), *times, *mavlink_options(arguments)]
     if arguments.speed is not None:
         command += ["--speed", f"{arguments.speed:.6f}"]
     with memory_of(mission) as memory:
         if memory is not None:
             command += ["--mission", str(memory), *place_options(mission)]
+        if arguments.mavlink:
+            with Endings() as endings:
+                return endings.run(command)
         return run(command, check=False, capture_output=True)

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stator import HOME
 from stator.arguments import path
 from stator.build.cmake import build
 from stator.diagnostics import (
@@ -38,6 +39,14 @@ from stator.flight.arguments import (
     setting_of,
 )
 from stator.flight.facts import complaint_of, default_log, facts_of, keep, mission_facts
+from stator.flight.mavlink import (
+    ENDLESS_S,
+    add_mavlink_argument,
+    check_mavlink,
+    mavlink_options,
+    serial_lines,
+    tell_mavlink,
+)
 from stator.flight.nonvolatile import nonvolatile_facts, nonvolatile_of, nonvolatile_rows
 from stator.flight.params import add_param_argument, param_facts
 from stator.flight.progress import progress
@@ -118,6 +127,7 @@ def _add_device_arguments(parser: argparse.ArgumentParser) -> None:
         help="file of the records that survive a restart, for example the ids of parts on a CAN "
         "bus (default: a .records file beside the log); a new file is empty",
     )
+    add_mavlink_argument(devices)
 
 
 def slow_speed_of(text: str) -> float:
@@ -149,7 +159,12 @@ def cpus_of(text: str) -> int:
 def main(arguments: argparse.Namespace) -> int:
     """0 if it ran to its end, and a vehicle flew within all limits; 1 if not, or if the flight
     could not be judged; 128 plus the number of the signal that ended it."""
+    if arguments.mavlink:
+        arguments.duration = arguments.duration or ENDLESS_S
+        arguments.graph = arguments.graph or HOME / "graph" / "quad_outdoor.yaml"
     mission = complete(arguments)
+    check_mavlink(arguments)
+    tell_mavlink(arguments)
     log = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     faults = faults_of(arguments)
@@ -158,7 +173,8 @@ def main(arguments: argparse.Namespace) -> int:
     flies = _flies(arguments)
     memory = nonvolatile_of(arguments, log)
     name = f"running {arguments.graph.stem} for at most {arguments.duration:g} s (Ctrl-C to end)"
-    with _link_of(arguments) as link, memory_of(mission) as plan_memory:
+    lines = serial_lines(arguments)
+    with lines, _link_of(arguments) as link, memory_of(mission) as plan_memory:
 
         def command_of(duration_s: float) -> list[str]:
             life = argparse.Namespace(**(vars(arguments) | {"duration": duration_s}))
@@ -178,6 +194,7 @@ def main(arguments: argparse.Namespace) -> int:
         most_s=arguments.duration,
         mission=mission,
         flies=flies,
+        is_guided=bool(arguments.mavlink),
         is_recorded=is_recorded(arguments),
         in_wind=is_windy(arguments),
         setting=setting_of(arguments, mission),
@@ -251,6 +268,7 @@ def _command(
     command = [str(program), "--log", str(log), "--truth", str(truth)]
     command += [] if link is None else ["--link", str(link)]
     command += [*flight_options(arguments), "--speed", f"{arguments.speed:.6f}"]
+    command += mavlink_options(arguments)
     if arguments.can is not None:
         command += ["--can", arguments.can]
         if not arguments.no_can_parts:
@@ -270,6 +288,7 @@ def _facts(
     most_s: float,
     mission: Mission | None,
     flies: bool,
+    is_guided: bool,
     is_recorded: bool,
     in_wind: bool,
     setting: Setting,
@@ -281,6 +300,7 @@ def _facts(
         mission,
         most_s=most_s,
         judges=flies,
+        is_guided=is_guided,
         is_recorded=is_recorded,
         in_wind=in_wind,
         setting=setting,

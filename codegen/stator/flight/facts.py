@@ -75,11 +75,13 @@ def facts_of(
     *,
     most_s: float,
     judges: bool = True,
+    is_guided: bool = False,
     in_wind: bool = False,
     is_recorded: bool = False,
     setting: Setting | None = None,
 ) -> dict[str, object]:
-    """The facts that `--json` prints. None: there is no such fact."""
+    """The facts that `--json` prints. None: there is no such fact. `is_guided`: others decide what
+    is flown, so that only the invariants count."""
     facts: dict[str, object] = {
         "success": False,
         "reason": "",
@@ -121,7 +123,8 @@ def facts_of(
         facts |= {"preemptions": None, "unrecorded_activations": None}
     if finished.returncode == NOT_WHOLE:
         return facts | {"reason": f"cannot judge the flight: {complaint_of(finished)}"}
-    facts |= _ending(log, truth, run, mission, most_s=most_s, judges=judges, in_wind=in_wind)
+    knows_plan = judges and not is_guided
+    facts |= _ending(log, truth, run, mission, most_s=most_s, judges=knows_plan, in_wind=in_wind)
     if judges:
         facts |= _invariants(log, truth, run, setting or Setting(), str(facts["reason"]))
     if facts["missed_life_signs"]:

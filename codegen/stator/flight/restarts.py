@@ -32,7 +32,7 @@ def run_lives(
     Returns the last life, and the numbered logs of the earlier ones."""
     earlier: list[Path] = []
     left_s = duration_s
-    with _Endings() as endings:
+    with Endings() as endings:
         while True:
             finished = endings.run(command_of(left_s))
             if finished.returncode != RESTART:
@@ -48,7 +48,7 @@ def run_lives(
             earlier.append(log.rename(kept))
 
 
-class _Endings:
+class Endings:
     """A signal ends the running life in order, with its report, and then the whole run. No signal
     is lost: a program starts with them blocked, and unblocks them when it can handle them."""
 
@@ -56,7 +56,7 @@ class _Endings:
         self.heard = 0
         self._process: subprocess.Popen[str] | None = None
 
-    def __enter__(self) -> _Endings:
+    def __enter__(self) -> Endings:
         # nohup ignores SIGHUP, and so does what it runs.
         heard = [n for n in ENDING if n != signal.SIGHUP or signal.getsignal(n) != signal.SIG_IGN]
         self._before = {number: signal.signal(number, self._hear) for number in heard}

@@ -14,6 +14,8 @@ namespace {
 using Nav = VehicleStatus::NavState;
 using Event = VehicleStatus::FailsafeEvent;
 using Warning = BatteryStatus::Warning;
+using Action = VehicleCommand::Action;
+using Answer = VehicleCommandAck::Result;
 
 class CommanderTest : public ::testing::Test {
   protected:
@@ -48,12 +50,18 @@ class CommanderTest : public ::testing::Test {
             .baro = has_baro_ ? Input(baro_) : Input<SensorBaro>(),
             .gnss = has_gnss_ ? Input(gnss_) : Input<SensorGps>(),
             .escs = Input(escs_),
+            .command = is_commanded_ ? Input(command_) : Input<VehicleCommand>(),
             .log = has_log_ ? Input(log_) : Input<LogBlock>(),
             .params = Input(params_)};
         testing::Probe status(ports.status, now_us_);
         testing::Probe home(ports.home, now_us_);
         testing::Probe health(ports.health, now_us_);
+        testing::Probe accepted(ports.accepted, now_us_);
+        testing::Probe ack(ports.ack, now_us_);
         node_.step(ports);
+        if (is_commanded_) answer_ = ack.newest();
+        is_passed_on_ = accepted.count() != 0;
+        is_commanded_ = false;
         status_ = status.newest();
         home_ = home.newest();
         health_ = health.newest();
@@ -65,6 +73,20 @@ class CommanderTest : public ::testing::Test {
         using Arm = ManualControlSwitches::ArmSwitch;
         switches_.arm_switch = on ? Arm::kOn : Arm::kOff;
         step();
+    }
+    // What becomes of a command.
+    Answer command(const VehicleCommand& command) {
+        command_ = command;
+        command_.tag = ++tag_;
+        is_commanded_ = true;
+        step();
+        EXPECT_EQ(answer_.tag, tag_);
+        EXPECT_EQ(is_passed_on_, answer_.result == Answer::kAccepted);
+        return answer_.result;
+    }
+    Answer command(Action action) { return command({.action = action}); }
+    Answer command(Nav mode) {
+        return command({.action = Action::kSetMode, .nav_state = static_cast<uint8_t>(mode)});
     }
     bool is_armed() const { return status_.arming_state == VehicleStatus::ArmingState::kArmed; }
     // Armed and in the air in this mode.
@@ -122,6 +144,11 @@ class CommanderTest : public ::testing::Test {
     VehicleStatus status_{};
     HomePosition home_{};
     HealthReport health_{};
+    VehicleCommand command_{};
+    VehicleCommandAck answer_{};
+    bool is_commanded_ = false;
+    bool is_passed_on_ = false;
+    uint8_t tag_ = 0;
     uint64_t now_us_ = 0;
     bool has_sticks_ = true;
     bool has_battery_ = true;
@@ -592,6 +619,91 @@ TEST_F(CommanderTest, no_event_disarms_in_the_air) {
         EXPECT_TRUE(is_armed()) << events;
         EXPECT_EQ(status_.failsafe, events != 0) << events;
     }
+}
+
+// --- commands ---
+
+TEST_F(CommanderTest, ArmsByCommandWhatTheChecksAllow) {
+    EXPECT_EQ(command(Action::kArm), Answer::kTemporarilyRejected);  // the estimate is not settled
+    run(4.0F);
+    has_gnss_ = false;
+    EXPECT_EQ(command(Action::kArm), Answer::kTemporarilyRejected);
+    has_gnss_ = true;
+    EXPECT_EQ(command(Action::kArm), Answer::kAccepted);
+    EXPECT_TRUE(is_armed());
+    EXPECT_EQ(command(Action::kArm), Answer::kAccepted);
+    EXPECT_EQ(command(Action::kDisarm), Answer::kAccepted);
+    EXPECT_FALSE(is_armed());
+}
+
+// The mode switch says mission; without one that is no reason, as another mode would be flown.
+TEST_F(CommanderTest, AMissionThatIsMissingKeepsFromNothingButMissions) {
+    result_.valid = false;
+    switches_.mode_slot = slot_of(Nav::kMission);
+    run(4.0F);
+    EXPECT_FALSE(health_.can_arm);
+    EXPECT_EQ(command(Nav::kMission), Answer::kTemporarilyRejected);
+    EXPECT_EQ(command(Action::kArm), Answer::kAccepted);
+    EXPECT_EQ(status_.nav_state, Nav::kHold);
+}
+
+TEST_F(CommanderTest, TakesOffInEitherOrder) {
+    run(4.0F);
+    EXPECT_EQ(command(Nav::kTakeoff), Answer::kAccepted);
+    EXPECT_FALSE(is_armed());
+    EXPECT_EQ(command(Action::kArm), Answer::kAccepted);
+    EXPECT_EQ(status_.nav_state, Nav::kTakeoff);
+    EXPECT_EQ(command(Action::kDisarm), Answer::kAccepted);
+    EXPECT_EQ(command(Nav::kHold), Answer::kAccepted);
+    EXPECT_EQ(command(Action::kArm), Answer::kAccepted);
+    EXPECT_EQ(command(Nav::kTakeoff), Answer::kAccepted);
+    EXPECT_EQ(status_.nav_state, Nav::kTakeoff);
+}
+
+TEST_F(CommanderTest, DisarmsByCommandOnTheGroundOnly) {
+    fly(Nav::kHold);
+    EXPECT_EQ(command(Action::kDisarm), Answer::kTemporarilyRejected);
+    EXPECT_TRUE(is_armed());
+    EXPECT_EQ(command(Action::kKill), Answer::kAccepted);
+    EXPECT_FALSE(is_armed());
+    EXPECT_EQ(status_.nav_state, Nav::kTermination);
+}
+
+TEST_F(CommanderTest, ACommandCannotChooseWhatTheFailsafeTableRefuses) {
+    fly(Nav::kHold);
+    position_.xy_valid = false;
+    run(1.0F);
+    ASSERT_EQ(status_.nav_state, Nav::kDescend);
+    EXPECT_EQ(command(Nav::kHold), Answer::kTemporarilyRejected);
+    EXPECT_EQ(command(Action::kGo), Answer::kTemporarilyRejected);
+    EXPECT_EQ(status_.nav_state, Nav::kDescend);
+}
+
+TEST_F(CommanderTest, NoCommandOfAReturnStartsAFlight) {
+    run(4.0F);
+    EXPECT_EQ(command(Action::kArm), Answer::kAccepted);
+    EXPECT_EQ(command(Nav::kReturn), Answer::kTemporarilyRejected);
+    EXPECT_EQ(command(Action::kGo), Answer::kTemporarilyRejected);
+    EXPECT_EQ(status_.nav_state, Nav::kHold);
+}
+
+TEST_F(CommanderTest, AFlightBeginsInHoldAfterOneThatLanded) {
+    fly(Nav::kLand);
+    land_.landed = true;
+    run(5.0F);
+    ASSERT_FALSE(is_armed());
+    ASSERT_EQ(status_.nav_state, Nav::kLand);
+    EXPECT_EQ(command(Action::kArm), Answer::kAccepted);
+    EXPECT_EQ(status_.nav_state, Nav::kHold);
+}
+
+TEST_F(CommanderTest, GoesFromAnyModeByHold) {
+    fly(Nav::kMission);
+    EXPECT_EQ(command(Action::kGo), Answer::kAccepted);
+    EXPECT_EQ(status_.nav_state, Nav::kHold);
+    result_.seq_total = 3;
+    EXPECT_EQ(command({.action = Action::kSetItem, .item = 2}), Answer::kAccepted);
+    EXPECT_EQ(command({.action = Action::kSetItem, .item = 3}), Answer::kDenied);
 }
 
 }  // namespace

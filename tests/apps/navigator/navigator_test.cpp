@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "stator/testing.hpp"
@@ -88,12 +89,14 @@ class NavigatorTest : public ::testing::Test {
                              .position = Input(position_),
                              .home = Input(home_),
                              .progress = Input(progress_),
+                             .command = command_ ? Input(*command_) : Input<VehicleCommand>(),
                              .params = Input(params_)};
         testing::Probe goal(ports.goal, now_us_);
         testing::Probe result(ports.result, now_us_);
         testing::Probe request(ports.request, now_us_);
         testing::Probe fence(ports.fence, now_us_);
         node_.step(ports);
+        command_.reset();
         goal_ = goal.newest();
         result_ = result.newest();
         fence_ = fence.newest();
@@ -148,6 +151,7 @@ class NavigatorTest : public ::testing::Test {
     std::array<std::vector<RawItem>, 3> lists_;  // mission, fence, rally points
     unsigned version_ = 1;
     MissionItems items_{};
+    std::optional<VehicleCommand> command_;
     bool has_items_ = false;
     bool is_answered_ = true;
     unsigned requests_ = 0;
@@ -936,6 +940,56 @@ TEST_F(NavigatorTest, a_height_above_the_sea_needs_the_frames_height) {
     arrive();
     step();
     EXPECT_NEAR(goal_.position[2], -12.0F, 1e-3F);
+}
+
+// --- commands ---
+
+TEST_F(NavigatorTest, HoldsAtThePlaceOfACommandAndKeepsWhatIsNotGiven) {
+    fly(Nav::kHold);
+    EXPECT_EQ(goal_.kind, Kind::kStop);
+    command_ = VehicleCommand{
+        .action = VehicleCommand::Action::kGo, .position = {10.0F, kNaN, -7.0F}, .heading = 1.5F};
+    step();
+    expect_goal(10.0F, 2.0F, -7.0F);
+    EXPECT_EQ(goal_.heading, 1.5F);
+    status_.nav_state = Nav::kReturn;
+    step();
+    const uint32_t number = goal_.number;
+    command_ = VehicleCommand{.action = VehicleCommand::Action::kGo};
+    step();
+    EXPECT_EQ(goal_.number, number);
+}
+
+TEST_F(NavigatorTest, TakesOffToTheHeightOfTheCommand) {
+    run(0.5F);
+    command_ = VehicleCommand{.action = VehicleCommand::Action::kSetMode,
+                              .nav_state = static_cast<uint8_t>(Nav::kTakeoff),
+                              .position = {kNaN, kNaN, -11.5F}};
+    step();
+    fly(Nav::kTakeoff);
+    run(2.0F);
+    expect_goal(1.0F, 2.0F, -11.5F);
+}
+
+TEST_F(NavigatorTest, GoesOnWithTheItemOfACommand) {
+    add(ItemKind::kWaypoint, 10.0F, 0.0F, 5.0F);
+    add(ItemKind::kWaypoint, 10.0F, 10.0F, 5.0F);
+    run(1.0F);
+    command_ = VehicleCommand{.action = VehicleCommand::Action::kSetItem, .item = 2};
+    step();
+    EXPECT_EQ(result_.seq_current, 2);
+    fly(Nav::kMission);
+    run(3.0F);
+    position_.z = -6.0F;  // up first, then there
+    arrive();
+    step();
+    EXPECT_EQ(result_.seq_current, 2);
+    expect_goal(11.0F, 12.0F, -4.5F);
+    command_ = VehicleCommand{.action = VehicleCommand::Action::kSetItem, .item = 1};
+    step();
+    step();
+    EXPECT_EQ(result_.seq_current, 1);
+    expect_goal(11.0F, 2.0F, -4.5F);
 }
 
 }  // namespace

@@ -1,0 +1,188 @@
+// Commands, and their answers.
+#include "flight_modes.hpp"
+#include "mavlink.hpp"
+#include "stator/scalar.hpp"
+
+namespace stator::apps::mavlink {
+
+namespace {
+
+namespace cmd = mav::mav_cmd;
+namespace result = mav::mav_result;
+using Action = VehicleCommand::Action;
+using Nav = VehicleStatus::NavState;
+
+constexpr float kForce = 21196.0F;  // of COMPONENT_ARM_DISARM: disarm in the air, too
+constexpr uint64_t kPatience_us = 200'000;
+constexpr float kNan = math::canonical_nan<float>();
+
+VehicleCommand mode_wish(Nav mode) {
+    return {.action = Action::kSetMode,
+            .nav_state = static_cast<uint8_t>(mode),
+            .position = {kNan, kNan, kNan},
+            .heading = kNan};
+}
+
+}  // namespace
+
+void Mavlink::acknowledge(unsigned number, mav::Address to, uint16_t command, uint32_t outcome) {
+    mav::CommandAck ack{.command = command, .result = static_cast<uint8_t>(outcome)};
+    ack.target_system = to.system;
+    ack.target_component = to.component;
+    link(number).send(ack);
+}
+
+void Mavlink::answer(const Request& request, uint32_t outcome) {
+    acknowledge(request.link, request.from, request.command, outcome);
+}
+
+// The answer goes out before the message, as some wait for it first.
+void Mavlink::handle_request_message(const Request& request, uint32_t id, MavlinkPorts& ports) {
+    Link& to = link(request.link);
+    to.rehearse(true);
+    const Told told = telemetry_.tell(id, to, ports);
+    to.rehearse(false);
+    uint32_t outcome = result::kAccepted;
+    if (told == Told::kUnknown) outcome = result::kUnsupported;
+    if (told == Told::kNothing) outcome = result::kTemporarilyRejected;
+    answer(request, outcome);
+    if (outcome == result::kAccepted) telemetry_.tell(id, to, ports);
+}
+
+void Mavlink::handle_command(const Request& request, MavlinkPorts& ports) {
+    const auto& p = request.param;
+    Line& line = lines_[request.link];
+    const auto id = math::saturate<uint32_t>(p[0]);
+    switch (request.command) {
+        case cmd::kRequestMessage:
+            return handle_request_message(request, id, ports);
+        case cmd::kGetHomePosition:
+            return handle_request_message(request, mav::HomePosition::kId, ports);
+        case cmd::kRequestAutopilotCapabilities:
+            return handle_request_message(request, mav::AutopilotVersion::kId, ports);
+        case cmd::kSetMessageInterval: {
+            const bool is_set = math::is_finite(p[1]) && line.streams.set(id, p[1], ports.now);
+            return answer(request, is_set ? result::kAccepted : result::kDenied);
+        }
+        case cmd::kGetMessageInterval: {
+            const int32_t interval = line.streams.interval_us(id);
+            answer(request, interval == 0 ? result::kDenied : result::kAccepted);
+            line.link.send(mav::MessageInterval{.interval_us = interval,
+                                                .message_id = static_cast<uint16_t>(id)});
+            return;
+        }
+        default:
+            return handle_flight_command(request, ports);
+    }
+}
+
+void Mavlink::handle_flight_command(const Request& request, MavlinkPorts& ports) {
+    const auto& p = request.param;
+    switch (request.command) {
+        case cmd::kComponentArmDisarm: {
+            const bool is_kill = p[0] == 0.0F && p[1] == kForce;
+            if (p[0] != 0.0F && p[0] != 1.0F) return answer(request, result::kDenied);
+            Action action = p[0] == 1.0F ? Action::kArm : Action::kDisarm;
+            if (is_kill) action = Action::kKill;
+            return command(request, {.action = action}, ports);
+        }
+        case cmd::kDoFlighttermination:
+            if (!(p[0] > 0.5F)) return answer(request, result::kUnsupported);
+            return command(request, {.action = Action::kKill}, ports);
+        case cmd::kDoSetMode:
+            if ((math::saturate<uint32_t>(p[0]) & mav::mav_mode_flag::kCustomModeEnabled) == 0) {
+                return answer(request, result::kUnsupported);
+            }
+            return set_mode(request, math::saturate<uint32_t>(p[1]), math::saturate<uint32_t>(p[2]),
+                            ports);
+        case cmd::kNavTakeoff: {
+            VehicleCommand wish = mode_wish(Nav::kTakeoff);
+            wish.position[2] = height_of(request.z, request.frame);
+            return command(request, wish, ports);
+        }
+        case cmd::kNavLand:
+            return command(request, mode_wish(Nav::kLand), ports);
+        case cmd::kNavReturnToLaunch:
+            return command(request, mode_wish(Nav::kReturn), ports);
+        case cmd::kMissionStart:
+            return command(request, mode_wish(Nav::kMission), ports);
+        case cmd::kDoSetMissionCurrent: {
+            const bool is_number = p[0] >= 0.0F && p[0] < 65535.0F;
+            if (!is_number) return answer(request, result::kDenied);
+            return command(request,
+                           {.action = Action::kSetItem, .item = math::saturate<uint16_t>(p[0])},
+                           ports);
+        }
+        case cmd::kDoReposition:
+            return command(request, go_to(request), ports);
+        default:
+            return answer(request, result::kUnsupported);
+    }
+}
+
+void Mavlink::set_mode(const Request& request, uint32_t main, uint32_t sub, MavlinkPorts& ports) {
+    const FlightMode* const mode = find_mode(main, sub);
+    if (mode == nullptr) return answer(request, result::kUnsupported);
+    command(request, mode_wish(mode->nav_state), ports);
+}
+
+// Down in N. A height is above mean sea level, or above home in a relative frame.
+float Mavlink::height_of(float z, uint8_t frame) const {
+    const bool is_relative = frame == mav::mav_frame::kGlobalRelativeAlt ||
+                             frame == mav::mav_frame::kGlobalRelativeAltInt;
+    return is_relative ? telemetry_.home_down() - z : telemetry_.reference_altitude() - z;
+}
+
+// What is not given stays as it is.
+VehicleCommand Mavlink::go_to(const Request& request) const {
+    VehicleCommand wish{.action = Action::kGo,
+                        .position = {kNan, kNan, height_of(request.z, request.frame)},
+                        .heading = request.param[3]};
+    const bool is_place = math::is_finite(request.latitude_deg) &&
+                          math::is_finite(request.longitude_deg) && telemetry_.knows_earth();
+    if (is_place) {
+        const auto at = telemetry_.frame().to_local({request.latitude_deg, request.longitude_deg});
+        wish.position[0] = static_cast<float>(at.north);
+        wish.position[1] = static_cast<float>(at.east);
+    }
+    return wish;
+}
+
+// Hands a wish to the node that decides. One that is repeated before its answer gets one answer.
+void Mavlink::command(const Request& request, const VehicleCommand& wish, MavlinkPorts& ports) {
+    if (!ports.command.is_connected()) return answer(request, result::kUnsupported);
+    if (pending_.is_one) {
+        const bool is_repeated = pending_.from == request.from &&
+                                 pending_.command == request.command &&
+                                 pending_.link == request.link;
+        if (!is_repeated) answer(request, result::kTemporarilyRejected);
+        return;
+    }
+    const auto tag = static_cast<uint8_t>(pending_.tag + 1);
+    pending_ = {.is_one = true,
+                .link = request.link,
+                .from = request.from,
+                .command = request.command,
+                .tag = tag,
+                .since_us = ports.now};
+    ports.command.publish([&] {
+        VehicleCommand sent = wish;
+        sent.tag = tag;
+        return sent;
+    });
+}
+
+void Mavlink::take_answers(MavlinkPorts& ports) {
+    while (ports.ack.next()) {
+        if (!pending_.is_one || ports.ack->tag != pending_.tag) continue;
+        pending_.is_one = false;
+        acknowledge(pending_.link, pending_.from, pending_.command,
+                    static_cast<uint32_t>(ports.ack->result));
+    }
+    if (pending_.is_one && ports.now - pending_.since_us > kPatience_us) {
+        pending_.is_one = false;
+        acknowledge(pending_.link, pending_.from, pending_.command, result::kFailed);
+    }
+}
+
+}  // namespace stator::apps::mavlink

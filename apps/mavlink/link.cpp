@@ -1,0 +1,59 @@
+// One line with MAVLink on it.
+#include "link.hpp"
+
+#include <algorithm>
+
+#include "stator/scalar.hpp"
+
+namespace stator::apps::mavlink {
+
+bool Link::put(std::span<const uint8_t> frame) {
+    if (rehearses_) return true;
+    ++sequence_;  // a frame that is dropped shows as lost
+    if (!is_open() || frame.size() > kRoom - waiting_) {
+        ++dropped_;
+        return false;
+    }
+    for (const uint8_t byte : frame) {
+        ring_[(begin_ + waiting_) % kRoom] = byte;
+        ++waiting_;
+    }
+    return true;
+}
+
+// Bytes of the frame that waits longest.
+std::size_t Link::first_frame() const {
+    return mav::kHeaderBytes + at(leaving_ + 1) + mav::kCrcBytes;
+}
+
+// An activation sends what the pieces of one can carry, and what the line can.
+void Link::refill(float dt) {
+    const auto rate = static_cast<float>(bytes_per_s_);
+    const float most = math::max(rate * kBurst_s, static_cast<float>(mav::kMaxFrameBytes));
+    budget_ = math::min(budget_ + rate * dt, most);
+    pieces_left_ = kPieces;
+}
+
+bool Link::next_piece(SerialBytes& piece) {
+    if (leaving_ == 0) {
+        const std::size_t most = pieces_left_ * piece.data.size();
+        while (leaving_ < waiting_) {
+            const std::size_t more = first_frame();
+            if (leaving_ + more > most || static_cast<float>(more) > budget_) break;
+            budget_ -= static_cast<float>(more);
+            leaving_ += more;
+        }
+        if (leaving_ == 0) return false;
+    }
+    const std::size_t length = std::min(leaving_, piece.data.size());
+    for (std::size_t i = 0; i < length; ++i) piece.data[i] = at(i);
+    piece.length = static_cast<uint8_t>(length);
+    begin_ = (begin_ + length) % kRoom;
+    waiting_ -= length;
+    leaving_ -= length;
+    piece.ends = leaving_ == 0;
+    --pieces_left_;
+    return true;
+}
+
+}  // namespace stator::apps::mavlink

@@ -1,0 +1,155 @@
+// This vehicle as a MAVLink system.
+#include "mavlink.hpp"
+
+#include <algorithm>
+
+#include "stator/elapsed.hpp"
+
+namespace stator::apps::mavlink {
+
+namespace {
+
+constexpr float kShortestStep = 1e-3F;
+constexpr float kLongestStep = 0.1F;
+
+double degrees_of(int32_t e7) {
+    return e7 == INT32_MAX ? math::canonical_nan<double>() : static_cast<double>(e7) * 1e-7;
+}
+
+}  // namespace
+
+void Mavlink::configure(const MavlinkParams& params) {
+    own_ = {static_cast<uint8_t>(params.system_id), kComponent};
+    const std::array<int32_t, kLinks> roles{params.role1, params.role2};
+    for (unsigned i = 0; i < kLinks; ++i) {
+        lines_[i].link.set_own(own_);
+        lines_[i].streams.use(static_cast<Role>(roles[i]));
+    }
+}
+
+// Zeros are for all.
+template <class Message>
+bool Mavlink::is_for_us(const Message& message) const {
+    return (message.target_system == 0 || message.target_system == own_.system) &&
+           (message.target_component == 0 || message.target_component == own_.component);
+}
+
+void Mavlink::handle(unsigned number, const mav::Frame& frame, MavlinkPorts& ports) {
+    if (frame.source == own_) return;  // our own, come back by another way
+    switch (frame.id) {
+        case mav::CommandLong::kId: {
+            const auto c = mav::decode<mav::CommandLong>(frame.payload);
+            if (!is_for_us(c)) return;
+            return handle_command({.link = number,
+                                   .from = frame.source,
+                                   .command = c.command,
+                                   .frame = mav::mav_frame::kGlobal,
+                                   .param = {c.param1, c.param2, c.param3, c.param4},
+                                   .latitude_deg = static_cast<double>(c.param5),
+                                   .longitude_deg = static_cast<double>(c.param6),
+                                   .z = c.param7},
+                                  ports);
+        }
+        case mav::CommandInt::kId: {
+            const auto c = mav::decode<mav::CommandInt>(frame.payload);
+            if (!is_for_us(c)) return;
+            return handle_command({.link = number,
+                                   .from = frame.source,
+                                   .command = c.command,
+                                   .frame = c.frame,
+                                   .param = {c.param1, c.param2, c.param3, c.param4},
+                                   .latitude_deg = degrees_of(c.x),
+                                   .longitude_deg = degrees_of(c.y),
+                                   .z = c.z},
+                                  ports);
+        }
+        case mav::SetMode::kId: {
+            const auto c = mav::decode<mav::SetMode>(frame.payload);
+            if (c.target_system != own_.system) return;
+            const auto flag = static_cast<float>(c.base_mode);
+            return handle_command({.link = number,
+                                   .from = frame.source,
+                                   .command = mav::mav_cmd::kDoSetMode,
+                                   .frame = 0,
+                                   .param = {flag, static_cast<float>(c.custom_mode >> 16 & 0xFFU),
+                                             static_cast<float>(c.custom_mode >> 24), 0.0F},
+                                   .latitude_deg = 0.0,
+                                   .longitude_deg = 0.0,
+                                   .z = 0.0F},
+                                  ports);
+        }
+        case mav::Ping::kId: {
+            const auto ping = mav::decode<mav::Ping>(frame.payload);
+            if (ping.target_system != 0 || ping.target_component != 0) return;
+            link(number).send(mav::Ping{.time_usec = ping.time_usec,
+                                        .seq = ping.seq,
+                                        .target_system = frame.source.system,
+                                        .target_component = frame.source.component});
+            return;
+        }
+        case mav::Timesync::kId: {
+            const auto sync = mav::decode<mav::Timesync>(frame.payload);
+            if (sync.tc1 != 0 || !is_for_us(sync)) return;
+            link(number).send(mav::Timesync{.tc1 = static_cast<int64_t>(ports.now * 1000),
+                                            .ts1 = sync.ts1,
+                                            .target_system = frame.source.system,
+                                            .target_component = frame.source.component});
+            return;
+        }
+        default:
+            return;
+    }
+}
+
+void Mavlink::receive(unsigned number, Input<SerialBytes>& received, MavlinkPorts& ports) {
+    std::span<const uint8_t> silence;
+    while (const auto frame = link(number).next(silence, ports.now)) handle(number, *frame, ports);
+    while (received.next()) {
+        const SerialBytes& piece = *received;
+        const std::size_t length = std::min<std::size_t>(piece.length, piece.data.size());
+        std::span<const uint8_t> bytes = std::span(piece.data).first(length);
+        while (const auto frame = link(number).next(bytes, ports.now)) {
+            handle(number, *frame, ports);
+        }
+    }
+}
+
+void Mavlink::tell_due(unsigned number, const MavlinkPorts& ports) {
+    Line& line = lines_[number];
+    for (unsigned i = 0; i < kStreamsAtOnce && line.link.has_room_for_streams(); ++i) {
+        const uint16_t id = line.streams.take_due(ports.now);
+        if (id == kNoStream) return;
+        telemetry_.tell(id, line.link, ports);
+    }
+}
+
+void Mavlink::send_waiting(unsigned number, Output<SerialBytes>& output) {
+    SerialBytes piece{};
+    while (link(number).next_piece(piece)) {
+        output.publish([&] { return piece; });
+        piece = {};
+    }
+}
+
+void Mavlink::step(MavlinkPorts& ports) {
+    const float dt = seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
+    if (ports.params.is_new()) configure(*ports.params);
+    if (ports.line1) link(0).take_status(*ports.line1);
+    if (ports.line2) link(1).take_status(*ports.line2);
+    if (std::ranges::none_of(lines_, [](const Line& line) { return line.link.is_open(); })) return;
+    telemetry_.update(ports);
+    for (Line& line : lines_) {
+        line.link.refill(dt);
+        if (telemetry_.is_status_new()) line.streams.hasten(mav::Heartbeat::kId, ports.now);
+    }
+    receive(0, ports.received1, ports);
+    receive(1, ports.received2, ports);
+    take_answers(ports);
+    for (unsigned i = 0; i < kLinks; ++i) {
+        if (link(i).is_open()) tell_due(i, ports);
+    }
+    send_waiting(0, ports.send1);
+    send_waiting(1, ports.send2);
+}
+
+}  // namespace stator::apps::mavlink

@@ -1,0 +1,81 @@
+// This vehicle as a MAVLink system.
+#pragma once
+
+#include <array>
+
+#include "link.hpp"
+#include "mavlink_ports.hpp"
+#include "streams.hpp"
+#include "telemetry.hpp"
+
+namespace stator::apps::mavlink {
+
+// Runs at a fixed period; in each activation it takes a bounded number of bytes from each line, and
+// gives each a bounded number. Lines that are not open cost nothing. Everything that asks for an
+// answer gets exactly one, on the line that it came from; what we do not do is UNSUPPORTED.
+//
+// One command of the vehicle at a time is on its way to the node that decides; another one that
+// comes meanwhile is TEMPORARILY_REJECTED.
+class Mavlink {
+  public:
+    void step(MavlinkPorts& ports);
+
+  private:
+    static constexpr unsigned kLinks = 2;
+    static constexpr unsigned kStreamsAtOnce = 8;  // of one line in an activation
+    static constexpr uint8_t kComponent = 1;       // an autopilot's
+
+    // A command in either of its two forms.
+    struct Request {
+        unsigned link;
+        mav::Address from;
+        uint16_t command;
+        uint8_t frame;
+        std::array<float, 4> param;
+        double latitude_deg;  // not a number: none
+        double longitude_deg;
+        float z;
+    };
+    // The one that the vehicle has been told, and that has no answer yet.
+    struct Pending {
+        bool is_one = false;
+        unsigned link = 0;
+        mav::Address from;
+        uint16_t command = 0;
+        uint8_t tag = 0;
+        uint64_t since_us = 0;
+    };
+    struct Line {
+        Link link;
+        Streams streams;
+    };
+
+    void configure(const MavlinkParams& params);
+    void receive(unsigned number, Input<SerialBytes>& received, MavlinkPorts& ports);
+    void handle(unsigned number, const mav::Frame& frame, MavlinkPorts& ports);
+    template <class Message>
+    bool is_for_us(const Message& message) const;
+    void tell_due(unsigned number, const MavlinkPorts& ports);
+    void send_waiting(unsigned number, Output<SerialBytes>& output);
+    Link& link(unsigned number) { return lines_[number].link; }
+
+    // commands.cpp
+    void handle_command(const Request& request, MavlinkPorts& ports);
+    void handle_request_message(const Request& request, uint32_t id, MavlinkPorts& ports);
+    void handle_flight_command(const Request& request, MavlinkPorts& ports);
+    void set_mode(const Request& request, uint32_t main, uint32_t sub, MavlinkPorts& ports);
+    void command(const Request& request, const VehicleCommand& wish, MavlinkPorts& ports);
+    VehicleCommand go_to(const Request& request) const;
+    float height_of(float z, uint8_t frame) const;
+    void answer(const Request& request, uint32_t result);
+    void acknowledge(unsigned number, mav::Address to, uint16_t command, uint32_t result);
+    void take_answers(MavlinkPorts& ports);
+
+    std::array<Line, kLinks> lines_;
+    Telemetry telemetry_;
+    mav::Address own_{1, kComponent};
+    Pending pending_;
+    uint64_t last_us_ = 0;
+};
+
+}  // namespace stator::apps::mavlink

@@ -1,0 +1,243 @@
+// A vehicle with two lines, for tests of the node: ground stations write bytes and read messages.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "mavlink.hpp"
+#include "stator/testing.hpp"
+
+namespace stator::apps::mavlink {
+
+using Nav = VehicleStatus::NavState;
+
+// Everything that an output publishes in one activation.
+template <class Message>
+class Everything {
+  public:
+    Everything(Output<Message>& output, uint64_t now_us, uint16_t burst) {
+        output.connect(topic_, now_us, true, burst);
+    }
+    std::vector<Message> all() {
+        Input<Message> input;
+        uint32_t cursor = 0;
+        input.open_queue(topic_, cursor, 0);
+        std::vector<Message> messages;
+        while (input.next()) messages.push_back(*input);
+        return messages;
+    }
+
+  private:
+    TopicState state_{Shared<uint32_t>(all_slots(16)), {}, {}};
+    std::array<Message, 16> samples_{};
+    std::array<Shared<uint32_t>, 16> number_{};
+    std::array<Shared<uint32_t>, 16> ring_{};
+    Topic topic_{.state = &state_,
+                 .samples = samples_.data(),
+                 .number = number_.data(),
+                 .ring = ring_.data(),
+                 .subscribers = nullptr,
+                 .thinned = nullptr,
+                 .in_section = nullptr,
+                 .sample_bytes = sizeof(Message),
+                 .subscriber_count = 0,
+                 .thinned_count = 0,
+                 .slots = 16,
+                 .depth = 8,
+                 .ceiling = 0};
+};
+
+// A message that a ground station received.
+struct Heard {
+    uint32_t id;
+    std::vector<uint8_t> payload;
+    uint64_t time_us;
+
+    template <class Message>
+    Message as() const {
+        return mav::decode<Message>(payload);
+    }
+};
+
+class MavlinkTest : public ::testing::Test {
+  protected:
+    static constexpr mav::Address kGround{255, 190};
+    static constexpr uint64_t kPeriod_us = 10'000;
+
+    struct Station {
+        std::deque<uint8_t> out;
+        mav::Parser parser{mav::kKnown};
+        std::vector<Heard> heard;
+        uint8_t sequence = 0;
+        unsigned datagram_bytes = 0;
+        std::size_t received_bytes = 0;
+    };
+
+    MavlinkTest() {
+        line_.bytes_per_s = 48'000;
+        status_.arming_state = VehicleStatus::ArmingState::kDisarmed;
+        status_.nav_state = Nav::kHold;
+        position_.xy_valid = position_.z_valid = position_.xy_global = position_.z_global = true;
+        position_.ref_lat = 47.4;
+        position_.ref_lon = 8.5;
+        position_.ref_alt = 500.0F;
+        position_.x = 1.0F;
+        position_.y = 2.0F;
+        position_.z = -3.0F;
+        attitude_.q = {1.0F, 0.0F, 0.0F, 0.0F};
+    }
+
+    template <class Message>
+    void send(const Message& message, unsigned line = 0, mav::Address from = kGround) {
+        mav::FrameBytes frame;
+        frame.put(message, stations_[line].sequence++, from);
+        const auto bytes = frame.bytes();
+        stations_[line].out.insert(stations_[line].out.end(), bytes.begin(), bytes.end());
+    }
+    void send_command(uint16_t command, std::array<float, 7> p, unsigned line = 0,
+                      mav::Address from = kGround) {
+        send(mav::CommandLong{.param1 = p[0],
+                              .param2 = p[1],
+                              .param3 = p[2],
+                              .param4 = p[3],
+                              .param5 = p[4],
+                              .param6 = p[5],
+                              .param7 = p[6],
+                              .command = command,
+                              .target_system = 1,
+                              .target_component = 1},
+             line, from);
+    }
+
+    std::optional<SerialBytes> next_piece(Station& station) {
+        if (station.out.empty()) return {};
+        SerialBytes piece{};
+        while (!station.out.empty() && piece.length < piece.data.size()) {
+            piece.data[piece.length++] = station.out.front();
+            station.out.pop_front();
+        }
+        return piece;
+    }
+    void hear(Station& station, const std::vector<SerialBytes>& pieces) {
+        for (const SerialBytes& piece : pieces) {
+            std::span<const uint8_t> bytes = std::span(piece.data).first(piece.length);
+            station.received_bytes += bytes.size();
+            while (const auto frame = station.parser.next(bytes, now_us_)) {
+                station.heard.push_back(
+                    {frame->id, {frame->payload.begin(), frame->payload.end()}, now_us_});
+            }
+            if (!piece.ends) continue;
+            // A datagram holds whole frames.
+            EXPECT_EQ(station.parser.counters().skipped, 0U);
+        }
+    }
+
+    void step() {
+        now_us_ += kPeriod_us;
+        const std::array pieces{next_piece(stations_[0]), next_piece(stations_[1])};
+        const auto received = [&](unsigned i) {
+            return pieces.at(i) ? Input(*pieces.at(i)) : Input<SerialBytes>();
+        };
+        MavlinkPorts ports{.now = now_us_,
+                           .received1 = received(0),
+                           .line1 = is_open_[0] ? Input(line_) : Input<SerialStatus>(),
+                           .received2 = received(1),
+                           .line2 = is_open_[1] ? Input(line_) : Input<SerialStatus>(),
+                           .status = Input(status_),
+                           .health = Input(health_),
+                           .home = Input(home_),
+                           .position = Input(position_),
+                           .attitude = Input(attitude_),
+                           .land = Input(land_),
+                           .gyro = Input(gyro_),
+                           .accel = Input(accel_),
+                           .mag = Input(mag_),
+                           .baro = Input(baro_),
+                           .gnss = Input(gnss_),
+                           .battery = Input(battery_),
+                           .sticks = Input(sticks_),
+                           .fence = Input(fence_),
+                           .mission = Input(mission_),
+                           .result = Input(result_),
+                           .ack = ack_ ? Input(*ack_) : Input<VehicleCommandAck>(),
+                           .params = Input(params_, is_first_)};
+        Everything<SerialBytes> first(ports.send1, now_us_, Link::kPieces);
+        Everything<SerialBytes> second(ports.send2, now_us_, Link::kPieces);
+        Everything<VehicleCommand> commands(ports.command, now_us_, 1);
+        node_.step(ports);
+        is_first_ = false;
+        ack_.reset();
+        EXPECT_EQ(ports.send1.refused() + ports.send2.refused() + ports.command.refused(), 0);
+        hear(stations_[0], first.all());
+        hear(stations_[1], second.all());
+        for (const VehicleCommand& command : commands.all()) {
+            commands_.push_back(command);
+            if (answers_)
+                ack_ = VehicleCommandAck{.tag = command.tag, .result = result_of_commands_};
+        }
+    }
+    void run(double seconds) {
+        const auto steps = static_cast<unsigned>(seconds * 1e6) / kPeriod_us;
+        for (unsigned i = 0; i < steps; ++i) step();
+    }
+
+    std::vector<Heard> heard(uint32_t id, unsigned line = 0) const {
+        std::vector<Heard> found;
+        for (const Heard& message : stations_[line].heard) {
+            if (message.id == id) found.push_back(message);
+        }
+        return found;
+    }
+    template <class Message>
+    std::vector<Message> heard(unsigned line = 0) const {
+        std::vector<Message> found;
+        for (const Heard& message : heard(Message::kId, line)) {
+            found.push_back(message.template as<Message>());
+        }
+        return found;
+    }
+    void forget() {
+        for (Station& station : stations_) station.heard.clear();
+    }
+    // The results of all answers to a command.
+    std::vector<int> results(uint16_t command, unsigned line = 0) const {
+        std::vector<int> found;
+        for (const auto& ack : heard<mav::CommandAck>(line)) {
+            if (ack.command == command) found.push_back(ack.result);
+        }
+        return found;
+    }
+
+    std::array<Station, 2> stations_;
+    std::array<bool, 2> is_open_{true, false};
+    SerialStatus line_{};
+    VehicleStatus status_{};
+    HealthReport health_{};
+    HomePosition home_{};
+    VehicleLocalPosition position_{};
+    VehicleAttitude attitude_{};
+    VehicleLandDetected land_{};
+    SensorGyro gyro_{};
+    SensorAccel accel_{};
+    SensorMag mag_{};
+    SensorBaro baro_{};
+    SensorGps gnss_{};
+    BatteryStatus battery_{};
+    ManualControlSetpoint sticks_{};
+    GeofenceResult fence_{};
+    Mission mission_{};
+    MissionResult result_{};
+    MavlinkParams params_{};
+    std::optional<VehicleCommandAck> ack_;
+    bool answers_ = true;  // to commands
+    VehicleCommandAck::Result result_of_commands_ = VehicleCommandAck::Result::kAccepted;
+    std::vector<VehicleCommand> commands_;
+    bool is_first_ = true;
+    uint64_t now_us_ = 0;
+    Mavlink node_;
+};
+
+}  // namespace stator::apps::mavlink
