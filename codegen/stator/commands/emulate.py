@@ -26,7 +26,8 @@ from stator.flight.arguments import (
     setting_of,
     speed_of,
 )
-from stator.flight.facts import alone, default_log, facts_of, keep, mission_facts
+from stator.flight.facts import alone, facts_of, keep, mission_facts
+from stator.flight.kept import keeping, kept_facts, log_of
 from stator.flight.progress import progress
 from stator.flight.report import report
 from stator.live.fault_record import in_words
@@ -65,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(arguments: argparse.Namespace) -> int:
     """0 if the flight was successful; 1 if it failed or could not be judged."""
     mission = complete(arguments)
-    log = arguments.output or default_log(arguments.graph, arguments.seed, ".emulated")
+    log = log_of(arguments, [], ".emulated")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     faults = faults_of(arguments)
     emulator = find_emulator()
@@ -78,6 +79,7 @@ def main(arguments: argparse.Namespace) -> int:
         options += ["--speed", f"{arguments.speed:.6f}"]
     name = f"emulating {arguments.graph.stem}, seed {arguments.seed}"
     with (
+        keeping(log, arguments) as kept,
         alone(log),
         progress(name, truth, arguments.duration),
         memory_of(mission) as memory,
@@ -97,7 +99,7 @@ def main(arguments: argparse.Namespace) -> int:
             in_wind=is_windy(arguments),
             setting=setting_of(arguments, mission),
         )
-    facts |= mission_facts(arguments, mission)
+    facts |= kept_facts(kept) | mission_facts(arguments, mission)
     facts |= failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
-from stator.build.cmake import PREEMPTION, build, short_name
+from stator.build.cmake import PREEMPTION, build
 from stator.diagnostics import ANSWER_IS_NO, UserError
 from stator.flight.arguments import (
     add_flight_arguments,
@@ -28,7 +28,8 @@ from stator.flight.arguments import (
     speed_of,
     times_of,
 )
-from stator.flight.facts import NOT_WHOLE, alone, default_log, facts_of, keep, mission_facts
+from stator.flight.facts import NOT_WHOLE, alone, facts_of, keep, mission_facts
+from stator.flight.kept import keeping, kept_facts, log_of
 from stator.flight.mavlink import (
     ENDLESS_S,
     add_mavlink_argument,
@@ -83,12 +84,16 @@ def main(arguments: argparse.Namespace) -> int:
     program = build(
         arguments.graph, arguments.board, variant | recording_of(arguments), executor="virtual"
     )
-    kind = f"-{short_name(arguments.mission.resolve())}" if mission else ""
-    log = arguments.output or default_log(arguments.graph, arguments.seed, kind)
+    log = log_of(arguments, params)
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     name = f"flying {arguments.graph.stem}, seed {arguments.seed}"
     tell_mavlink(arguments)
-    with serial_lines(arguments), alone(log), progress(name, truth, arguments.duration):
+    with (
+        serial_lines(arguments),
+        keeping(log, arguments) as kept,
+        alone(log),
+        progress(name, truth, arguments.duration),
+    ):
         finished = _run(program, log, truth, arguments, mission, times)
         if finished.returncode not in (0, NOT_WHOLE):
             raise UserError(finished.stderr.rstrip())
@@ -104,7 +109,7 @@ def main(arguments: argparse.Namespace) -> int:
             in_wind=is_windy(arguments),
             setting=setting_of(arguments, mission),
         )
-    facts |= mission_facts(arguments, mission)
+    facts |= kept_facts(kept) | mission_facts(arguments, mission)
     facts |= param_facts(params) | failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())

@@ -38,7 +38,8 @@ from stator.flight.arguments import (
     recording_of,
     setting_of,
 )
-from stator.flight.facts import complaint_of, default_log, facts_of, keep, mission_facts
+from stator.flight.facts import complaint_of, facts_of, keep, mission_facts
+from stator.flight.kept import default_log, keeping, kept_facts, log_of
 from stator.flight.mavlink import (
     ENDLESS_S,
     add_mavlink_argument,
@@ -165,13 +166,14 @@ def main(arguments: argparse.Namespace) -> int:
     mission = complete(arguments)
     check_mavlink(arguments)
     tell_mavlink(arguments)
-    log = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
-    truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     faults = faults_of(arguments)
     params = params_of(arguments)
+    log = log_of(arguments, params, ".run")
+    truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     program = build(arguments.graph, arguments.board, recording_of(arguments), executor="pthread")
     flies = _flies(arguments)
-    memory = nonvolatile_of(arguments, log)
+    plain = arguments.output or default_log(arguments.graph, arguments.seed, ".run")
+    memory = nonvolatile_of(arguments, plain)
     name = f"running {arguments.graph.stem} for at most {arguments.duration:g} s (Ctrl-C to end)"
     lines = serial_lines(arguments)
     with lines, _link_of(arguments) as link, memory_of(mission) as plan_memory:
@@ -183,7 +185,7 @@ def main(arguments: argparse.Namespace) -> int:
                 command += ["--mission", str(plan_memory), *place_options(mission)]
             return command
 
-        with progress(name, truth, arguments.duration):
+        with keeping(log, arguments) as kept, progress(name, truth, arguments.duration):
             finished, earlier = run_lives(command_of, log, arguments.duration)
     if finished.returncode == NOT_DONE:
         raise UserError(finished.stderr.rstrip())
@@ -200,7 +202,7 @@ def main(arguments: argparse.Namespace) -> int:
         setting=setting_of(arguments, mission),
     )
     facts |= param_facts(params) | failures_of(faults)
-    facts |= mission_facts(arguments, mission)
+    facts |= kept_facts(kept) | mission_facts(arguments, mission)
     facts["logs_before_restart"] = [str(path.resolve()) for path in earlier]
     facts["nonvolatile"] = nonvolatile_facts(memory, facts.get("nonvolatile"))
     facts |= rates_of(arguments)

@@ -57,7 +57,12 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         help="longest flight in seconds (default: 120, or more for a mission)",
     )
     parser.add_argument(
-        "-o", "--output", type=log_path, metavar="LOG", help="log file (default: in build/flights)"
+        "-o",
+        "--output",
+        type=log_path,
+        metavar="LOG",
+        help="log file; overwritten if it exists (default: in build/flights, where "
+        "earlier logs are kept with a number)",
     )
     parser.add_argument(
         "--no-record",

@@ -10,8 +10,6 @@ import signal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stator import HOME
-from stator.build.cmake import short_name
 from stator.diagnostics import UserError, shown_path
 from stator.flight.invariants import Setting, first_broken
 from stator.flight.log import UnreadableFlight, read_truth_columns, topic
@@ -36,12 +34,6 @@ def keep(facts: dict[str, object]) -> None:
     log = Path(str(facts["log"]))
     report = json.dumps(facts, indent=2) + "\n"
     log.with_name(f"{log.name.removesuffix('.ulg')}.json").write_text(report, encoding="utf-8")
-
-
-def default_log(graph: Path, seed: int, kind: str = "") -> Path:
-    folder = HOME / "build" / "flights"
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder / f"{short_name(graph.resolve())}-seed{seed}{kind}.ulg"
 
 
 @contextlib.contextmanager

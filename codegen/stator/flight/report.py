@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from stator.diagnostics import UserError, in_place, shown_argument, shown_path
+from stator.flight.kept import kept_rows
 from stator.flight.params import param_rows
 
 
@@ -126,14 +127,14 @@ def log_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     size = f"{shown_path(log)} ({log.stat().st_size / 1e6:.1f} MB)"
     most, stored = facts.get("recording_bytes_per_s"), facts.get("storage_bytes_per_s")
     if most is None:
-        return [("log", size)]
+        return [("log", size), *kept_rows(facts)]
     rows = [("log", f"{size}; highest rate {_kilobytes(most)}, recording included")]
     if stored is not None:
         takes = f"{facts['storage_board']} stores {_kilobytes(stored)}"
         if int(str(most)) > int(str(stored)):
             takes += ": LESS than the highest rate; hint: --no-record writes no recording"
         rows.append(("storage", takes))
-    return rows
+    return [*rows, *kept_rows(facts)]
 
 
 def _kilobytes(rate: object) -> str:

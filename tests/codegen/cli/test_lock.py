@@ -12,7 +12,8 @@ import pytest
 from stator import HOME
 from stator.build.cmake import short_name
 from stator.diagnostics import UserError
-from stator.flight.facts import alone, default_log
+from stator.flight.facts import alone
+from stator.flight.kept import default_log
 
 # Takes the lock, says so, and keeps it until its input ends; `child` inherits it.
 HOLDER = """
