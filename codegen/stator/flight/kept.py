@@ -61,8 +61,8 @@ def _words(arguments: argparse.Namespace, params: list[Replaced]) -> str:
 @contextlib.contextmanager
 def keeping(log: Path, arguments: argparse.Namespace) -> Iterator[list[Path]]:
     """Around a flight that writes a default log: the log of an earlier flight gets a number, and is
-    in the list afterwards, unless both flights are the same byte for byte. A log that the user named
-    is overwritten, as with any `-o`."""
+    in the list afterwards, unless both flights are the same byte for byte. A log that the user
+    named is overwritten, as with any `-o`."""
     kept: list[Path] = []
     moved = _set_aside(log) if arguments.output is None else {}
     try:
