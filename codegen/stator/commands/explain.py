@@ -1,8 +1,9 @@
-"""`./stator explain`: when and where a node runs, and why; or what a topic needs."""
+"""`./stator explain`: when and where a node runs, and why; what a topic needs; a chain's way."""
 
 from __future__ import annotations
 
 import textwrap
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from stator.arguments import add_graph_arguments
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from fractions import Fraction
 
-    from stator.graph.model import Node
+    from stator.graph.model import Chain, Node
     from stator.plan.plan import Plan, Task
     from stator.plan.topics import TopicPlan
 
@@ -35,16 +36,16 @@ WAYS = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_graph_arguments(parser)
-    parser.add_argument("node", help="node or topic of the graph")
+    parser.add_argument("node", help="node, topic or chain of the graph")
 
 
 def main(arguments: argparse.Namespace) -> int:
     plan = make_plan(arguments.graph, arguments.board)
     lines = explain(plan, arguments.node)
     if lines is None:
-        known = [*plan.graph.nodes, *plan.topics]
+        known = [*plan.graph.nodes, *plan.topics, *(chain.name for chain in plan.graph.chains)]
         raise UserError(
-            f"error: unknown node or topic '{arguments.node}' of {plan.graph.name}\n"
+            f"error: unknown node, topic or chain '{arguments.node}' of {plan.graph.name}\n"
             f"hint: {nearest(arguments.node, known)}"
         )
     print(in_place("\n".join(lines)))
@@ -52,7 +53,7 @@ def main(arguments: argparse.Namespace) -> int:
 
 
 def explain(plan: Plan, name: str) -> list[str] | None:
-    """Lines about a node or a topic; None if the graph has neither."""
+    """Lines about a node, a topic or a chain; None if the graph has none of this name."""
     if name in plan.graph.nodes:
         task = plan.task(name)
         rows = [*_runs(plan, task), *_ports(plan, task.node), *_params(task.node)]
@@ -60,7 +61,34 @@ def explain(plan: Plan, name: str) -> list[str] | None:
     if name in plan.topics:
         topic = plan.topics[name]
         return _text(f"{name}: {topic.message.doc}", _topic(plan, topic))
+    for chain in plan.graph.chains:
+        if chain.name == name:
+            return _text(f"{name}: a chain of {len(chain.path)} nodes", _chain(plan, chain))
     return None
+
+
+def _chain(plan: Plan, chain: Chain) -> list[Row]:
+    """Its way from node to node, and what can make it late."""
+    first = plan.task(chain.path[0])
+    rows = [
+        ("in", f"{shown_path(chain.mark.file)}:{chain.mark.line}"),
+        ("deadline", f"{spelled_us(chain.deadline_us)}, from the release of {first.node.name}"),
+        ("begins", f"{first.node.name} (level {first.level}): {triggers_text(first.node)}"),
+    ]
+    for before, name in pairwise(chain.path):
+        task = plan.task(name)
+        topics = {output.topic for output in plan.graph.nodes[before].outputs.values()}
+        ways = [
+            f"{source.topic} ({WAYS[task.node.way_of(source)]})"
+            for source in task.node.inputs.values()
+            if source.topic in topics
+        ]
+        rows.append(("then", f"{name} (level {task.level}) by {' and '.join(ways)}"))
+    tasks = [plan.task(name) for name in chain.path]
+    lowest = min(task.level for task in tasks)
+    others = [t for t in plan.tasks if t.level >= lowest and t not in tasks]
+    rows.append(("waits for", _names(others) if others else "no other node"))
+    return rows
 
 
 def _runs(plan: Plan, task: Task) -> list[Row]:

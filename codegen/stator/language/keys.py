@@ -110,7 +110,11 @@ INPUT = Short(
 
 NODE = Struct(
     {
-        "app": Key(Name("an app"), "The class of the node. Default: the node's name."),
+        "app": Key(
+            Name("an app"),
+            "The class of the node. Default: the node's name. For a node of an included file, "
+            "another app gets that node's connections; null removes those that it does not have.",
+        ),
         "device": Key(
             Name("a device"), "The device that this node owns; the board says which driver it has."
         ),
@@ -157,7 +161,8 @@ GRAPH = Struct(
         "board": Key(Name("a board"), "The board that the graph runs on.", required=True),
         "include": Key(
             Listing(INCLUDE),
-            "Files to build on. The keys of this file replace the same keys of the included files.",
+            "Files to build on. The keys of this file replace the same keys of the included files; "
+            "null removes one: a node, an input, a parameter.",
         ),
         "topics": Key(Table(TOPIC, "a topic"), "Settings of topics that differ from the defaults."),
         "nodes": Key(Table(NODE, "a node"), "The nodes of the graph.", required=True),

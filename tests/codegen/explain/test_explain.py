@@ -35,3 +35,14 @@ def test_a_node_says_what_its_topics_take(plan: Plan) -> None:
 
 def test_what_is_neither(plan: Plan) -> None:
     assert explain(plan, "nothing") is None
+
+
+def test_a_chain_goes_from_node_to_node(plan: Plan) -> None:
+    (chain,) = plan.graph.chains
+    text = " ".join(" ".join(explain(plan, chain.name) or []).split())
+    assert text.startswith("gyro_to_motor: a chain of 4 nodes")
+    assert "deadline 500 us, from the release of imu0" in text
+    assert "begins imu0 (level 14): irq data_ready" in text
+    assert "then rate_control (level 13) by sensor_gyro (each activation reads one" in text
+    assert "and vehicle_thrust_setpoint (latest)" in text
+    assert "waits for no other node" in text

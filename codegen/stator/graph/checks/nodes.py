@@ -105,6 +105,8 @@ class _NodeReader:
         self._sources = sources
         self._report = sources.report
         self.is_damaged = False
+        # What an included file gives to the app that this file replaced: key -> names, and where.
+        self._left_over: dict[str, dict[str, Mark]] = {}
 
     def read(
         self,
@@ -121,6 +123,8 @@ class _NodeReader:
         inputs = self._inputs(interface)
         device = record.get("device")
         triggers = TriggerReader(self._name, interface, record, self._report)
+        outputs, params = self._outputs(interface), self._params(interface)
+        self._tell_left_over(interface)
         return Node(
             name=self._name,
             interface=interface,
@@ -130,8 +134,8 @@ class _NodeReader:
             deadline_us=record.value("deadline"),
             budget_us=record.value("budget", budgets.get(self._name)),
             inputs=inputs,
-            outputs=self._outputs(interface),
-            params=self._params(interface),
+            outputs=outputs,
+            params=params,
             mark=self._mark,
         )
 
@@ -279,6 +283,8 @@ class _NodeReader:
     def _port(self, key: str, mark: Mark, ports: dict[str, Port], what: str) -> Port | None:
         if key in ports:
             return ports[key]
+        if self._is_left_over(f"{what}s", key, mark):
+            return None
         self._report.error(
             mark,
             "port-unknown",
@@ -293,6 +299,8 @@ class _NodeReader:
         given: list[tuple[str, Scalar]] = items(self._record, "params")
         for key, scalar in given:
             if key not in interface.params:
+                if self._is_left_over("params", key, record.keys[key]):
+                    continue
                 self._report.error(
                     record.keys[key],
                     "param-unknown",
@@ -305,3 +313,37 @@ class _NodeReader:
             if value is not None:
                 values[key] = value
         return values
+
+    # --- an app in place of another one ---
+
+    def _is_left_over(self, kind: str, key: str, mark: Mark) -> bool:
+        """Whether another file than the one that names the app has this: the user replaces the app
+        of an included node, and need not edit that file."""
+        app = self._record.keys.get("app")
+        if app is None or app.file == mark.file:
+            return False
+        self._left_over.setdefault(kind, {})[key] = mark
+        return True
+
+    def _tell_left_over(self, interface: Interface) -> None:
+        """One error for all, with the text to write."""
+        if not self._left_over:
+            return
+        app = self._record.keys["app"]
+        names = ", ".join(
+            f"{'parameter' if kind == 'params' else kind[:-1]} '{key}'"
+            for kind, keys in self._left_over.items()
+            for key in keys
+        )
+        first = min(mark for keys in self._left_over.values() for mark in keys.values())
+        lines = "".join(
+            f", {kind}: {{{', '.join(f'{key}: null' for key in keys)}}}"
+            for kind, keys in self._left_over.items()
+        )
+        self._report.error(
+            app,
+            "port-unknown",
+            f"unknown {names} of app '{interface.name}', which {beside(app, first)} gives to "
+            f"'{self._name}'",
+            f"write `{self._name}: {{app: {interface.name}{lines}}}` in your file",
+        )

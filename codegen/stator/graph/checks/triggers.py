@@ -153,6 +153,18 @@ class TriggerReader:
             self._check_read(trigger, name, inputs.values[name])
         elif inputs is None or (None not in written and len(inputs.values) == len(inputs.keys)):
             topics = [topic for topic in written if topic is not None]
+            app = self._record.keys.get("app")
+            if app is not None and app.file != trigger.mark.file:
+                # The user replaces the app of an included node.
+                self._report.error(
+                    app,
+                    "trigger-not-input",
+                    f"no input of '{self._node}' reads topic '{trigger.name}', its trigger in "
+                    f"{beside(app, trigger.mark)}",
+                    f"give `{self._node}` a trigger in your file, such as `trigger: {{topic: "
+                    f"{topics[0] if topics else 'TOPIC'}}}` or `trigger: {{every: 10 ms}}`",
+                )
+                return
             self._report.error(
                 trigger.mark,
                 "trigger-not-input",
