@@ -45,6 +45,17 @@ CONVERSIONS: dict[str, dict[str, Fraction]] = {
 
 _NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]{1,3})?")
 _MAX_LENGTH = 64
+_NAMES = {
+    **{"rad": "radian", "deg": "degree", "s": "second", "ms": "millisecond", "us": "microsecond"},
+    **{"m": "metre", "km": "kilometre", "g": "gram", "kg": "kilogram", "N": "newton"},
+    **{"V": "volt", "A": "ampere", "W": "watt", "Pa": "pascal", "J": "joule", "min": "minute"},
+}
+_SYMBOLS = {
+    spelling: symbol
+    for symbol, name in _NAMES.items()
+    for one in (name, name.replace("metre", "meter"))
+    for spelling in (one, f"{one}s")
+} | {"sec": "s", "secs": "s", "amp": "A", "amps": "A", "hertz": "Hz", "percent": "%"}
 
 
 def split(text: str) -> tuple[Fraction, str] | None:
@@ -66,6 +77,11 @@ def _plain(unit: str) -> str:
     text = unicodedata.normalize("NFKC", unit).casefold().replace("\u03bc", "u")
     text = text.replace("°", "deg").replace("^", "").replace(" ", "")
     return re.sub(r"sec(ond)?s?(?=$|/|[0-9])", "s", text)
+
+
+def with_symbols(unit: str) -> str:
+    """The unit with symbols in place of names: `metres/second` -> `m/s`."""
+    return re.sub(r"[A-Za-z]+", lambda word: _SYMBOLS.get(word[0].lower(), word[0]), unit)
 
 
 def shown(value: Fraction) -> str:

@@ -13,6 +13,7 @@ from stator.emulator.qemu import find_emulator, fly
 from stator.flight.arguments import (
     add_flight_arguments,
     complete,
+    cut_of,
     failures_of,
     faults_of,
     flight_options,
@@ -93,7 +94,7 @@ def main(arguments: argparse.Namespace) -> int:
             log,
             truth,
             mission,
-            most_s=arguments.duration,
+            cut=cut_of(arguments),
             judges=is_judged(arguments),
             is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),

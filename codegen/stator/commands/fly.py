@@ -13,6 +13,7 @@ from stator.diagnostics import ANSWER_IS_NO, UserError
 from stator.flight.arguments import (
     add_flight_arguments,
     complete,
+    cut_of,
     failures_of,
     faults_of,
     flight_options,
@@ -102,7 +103,7 @@ def main(arguments: argparse.Namespace) -> int:
             log,
             truth,
             mission,
-            most_s=arguments.duration,
+            cut=cut_of(arguments),
             judges=is_judged(arguments),
             is_guided=bool(arguments.mavlink),
             is_recorded=is_recorded(arguments),

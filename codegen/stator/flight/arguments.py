@@ -129,6 +129,7 @@ def complete(arguments: argparse.Namespace) -> Mission | None:
     """Fills in the defaults of the graph and the duration, and reads the mission. Raises
     `UserError` or `Failed`."""
     wanted = arguments.mission
+    arguments.is_limited = arguments.duration is not None
     if arguments.graph is None:
         name = "quad.yaml" if wanted is None else "quad_outdoor.yaml"
         arguments.graph = HOME / "graph" / name
@@ -148,6 +149,14 @@ def complete(arguments: argparse.Namespace) -> Mission | None:
         more = ENDLESS_S if walk(mission, vehicle).is_endless else 0.0
         arguments.duration = max(USUAL_DURATION_S, 60.0 + 2.0 * seconds + more)
     return mission
+
+
+def cut_of(arguments: argparse.Namespace) -> str:
+    """Why a flight ends at its time limit."""
+    limit = f"--duration {arguments.duration:g} s"
+    if not arguments.is_limited:
+        limit = f"the limit of {arguments.duration:g} s, as --duration was not given,"
+    return f"{limit} ended the flight early"
 
 
 @contextlib.contextmanager

@@ -65,15 +65,15 @@ def facts_of(
     truth: Path,
     mission: Mission | None = None,
     *,
-    most_s: float,
+    cut: str,
     judges: bool = True,
     is_guided: bool = False,
     in_wind: bool = False,
     is_recorded: bool = False,
     setting: Setting | None = None,
 ) -> dict[str, object]:
-    """The facts that `--json` prints. None: there is no such fact. `is_guided`: others decide what
-    is flown, so that only the invariants count."""
+    """The facts that `--json` prints. None: there is no such fact. `cut`: why a flight that reaches
+    its time limit ends. `is_guided`: others decide what is flown, so only the invariants count."""
     facts: dict[str, object] = {
         "success": False,
         "reason": "",
@@ -116,7 +116,7 @@ def facts_of(
     if finished.returncode == NOT_WHOLE:
         return facts | {"reason": f"cannot judge the flight: {complaint_of(finished)}"}
     knows_plan = judges and not is_guided
-    facts |= _ending(log, truth, run, mission, most_s=most_s, judges=knows_plan, in_wind=in_wind)
+    facts |= _ending(log, truth, run, mission, cut=cut, judges=knows_plan, in_wind=in_wind)
     if judges:
         facts |= _invariants(log, truth, run, setting or Setting(), str(facts["reason"]))
     if facts["missed_life_signs"]:
@@ -137,7 +137,7 @@ def _ending(
     run: dict[str, Any],
     mission: Mission | None,
     *,
-    most_s: float,
+    cut: str,
     judges: bool,
     in_wind: bool,
 ) -> dict[str, object]:
@@ -147,7 +147,6 @@ def _ending(
         return {"success": True, "reason": f"ended by {RESTART}" if restarts else "ran to its end"}
     facts = _judged(log, truth, run, mission, in_wind=in_wind)
     if not facts.get("success") and run.get("ended") == "time_limit":
-        cut = f"--duration {most_s:g} s ended the flight early"
         if mission is not None and walk(mission, Vehicle()).is_endless:
             cut += " (the mission itself has no end)"
         facts["reason"] = f"{cut}; {facts['reason']}"

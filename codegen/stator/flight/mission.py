@@ -87,6 +87,7 @@ def judge_mission(log: ULog, flight: Flight, mission: Mission) -> MissionFlight:
     items = _items(progress, mission)
     total, reached = len(items), sum(item["reached_s"] is not None for item in items)
     result.facts |= {"items_total": total, "items_reached": reached, "items": items}
+    result.facts["items_uncounted"] = _uncounted(mission, items)
     armed = np.flatnonzero(flight.arming_state == ARMED)
     if armed.size == 0:
         result.problems.append(Problem(f"not armed: {_why_not(log)}"))
@@ -179,6 +180,14 @@ def _items(progress: dict[str, NDArray[np.generic]], mission: Mission) -> list[d
         for index, item in enumerate(mission.items)
         if index in flown and item.is_reached and item.command not in LANDINGS
     ]
+
+
+def _uncounted(mission: Mission, items: list[dict[str, object]]) -> list[str]:
+    """The names of the other items of the file, in its order: they have no place to reach, or lie
+    where the vehicle does not come."""
+    counted = {item["number"] for item in items}
+    names = {i.number: i.name for i in mission.items if not i.is_extra and i.number not in counted}
+    return list(names.values())
 
 
 def _errors(log: ULog, flight: Flight, setpoint: Floats) -> dict[str, object]:

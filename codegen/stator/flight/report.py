@@ -96,7 +96,13 @@ def _mission_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     assert isinstance(items, list)
     assert isinstance(modes, list)
     assert isinstance(limits, dict)
-    rows = [("mission", f"{facts['items_reached']} of {facts['items_total']} items reached")]
+    text = f"{facts['items_reached']} of {facts['items_total']} items reached"
+    others = facts.get("items_uncounted", [])
+    assert isinstance(others, list)
+    if others:
+        names = ", ".join(dict.fromkeys(map(str, others)))
+        text += f"; {len(others)} more without a place to reach: {names}"
+    rows = [("mission", text)]
     notes = facts.get("mission_notes", [])
     assert isinstance(notes, list)
     rows += [("note", str(note)) for note in notes]

@@ -7,7 +7,16 @@ from __future__ import annotations
 
 from stator.language.nested import Key, Listing, OneOrMore, Short, Struct, Table
 from stator.language.period import Period
-from stator.language.shapes import NAME_PATTERN, Boolean, Choice, Integer, Name, Raw, Text
+from stator.language.shapes import (
+    NAME_PATTERN,
+    Boolean,
+    Choice,
+    Integer,
+    Name,
+    Raw,
+    Text,
+    UnitText,
+)
 
 MAX_LEVELS = 15
 MAX_TASKS_OF_THREAD = 30  # the bits of a word, except two that the thread itself uses
@@ -52,7 +61,7 @@ PREFIX = Text(
     "use lower case letters, digits and single underscores, for example left_",
 )
 # Comments and the log's format hold it, on one line.
-UNIT = Text(
+UNIT = UnitText(
     r"[!-\[\]-~°µ ]{1,32}",
     "a unit",
     hint='write one short line, for example m/s^2, or "1" for no unit',

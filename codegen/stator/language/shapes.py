@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, Protocol
 from stator.diagnostics import Mark, Report
 from stator.language.yaml_tree import Mapping, Scalar, Sequence, Tree
 from stator.names import reserved_reason
+from stator.quantities import with_symbols
 
 NAME_PATTERN = "[a-z][a-z0-9_]{0,62}"
 NAME_HINT = "use at most 63 lower case letters, digits and underscores; begin with a letter"
@@ -191,6 +192,23 @@ class Text:
         if self.pattern:
             return {"type": "string", "pattern": f"^({self.pattern})$"}
         return {"type": ["string", "number", "boolean"]}
+
+
+@dataclass(frozen=True)
+class UnitText(Text):
+    """A unit as its symbol: values and hints compare it with others."""
+
+    def read(self, tree: Tree, report: Report) -> Leaf | None:
+        leaf = Text.read(self, tree, report)
+        if leaf is not None and (symbol := with_symbols(leaf.value)) != leaf.value:
+            report.error(
+                leaf.mark,
+                "unit-unknown",
+                f"expected the symbol of a unit, found {quoted(leaf.value)}",
+                f"write {symbol}",
+            )
+            return None
+        return leaf
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import argparse
 import dataclasses
 import json
 import subprocess
 from typing import TYPE_CHECKING, Any
 
 from stator.commands import run
+from stator.flight.arguments import cut_of
 from stator.flight.facts import facts_of
 from stator.flight.judge import CALM, IN_WIND
 from stator.flight.report import flight_rows, log_rows, report
@@ -88,6 +90,20 @@ def test_a_missions_rows() -> None:
     ]
 
 
+def test_items_without_a_place_are_named_apart() -> None:
+    rows = flight_rows(FACTS | {"items_uncounted": ["delay", "change_speed", "delay"]})
+    assert rows[0][1] == (
+        "1 of 2 items reached; 3 more without a place to reach: delay, change_speed"
+    )
+
+
+def test_a_time_limit_that_nobody_gave_is_not_called_given() -> None:
+    usual = argparse.Namespace(duration=120.0, is_limited=False)
+    assert "the limit of 120 s, as --duration was not given, ended" in cut_of(usual)
+    given = argparse.Namespace(duration=10.0, is_limited=True)
+    assert cut_of(given) == "--duration 10 s ended the flight early"
+
+
 def test_a_storage_that_may_not_take_the_recording_is_told(tmp_path: Path) -> None:
     log = tmp_path / "flight.ulg"
     log.write_bytes(bytes(1_200_000))
@@ -157,6 +173,8 @@ def test_a_missed_life_sign_is_no_success(tmp_path: Path) -> None:
     log.write_bytes(b"ULog")
     run = {"simulated_s": 6.0, "wall_s": 6.0, "ended": "time_limit", "missed_life_signs": 57}
     finished = subprocess.CompletedProcess([], 0, json.dumps(run), "")
-    facts = facts_of(finished, log, tmp_path / "truth", most_s=6.0, judges=False)
+    facts = facts_of(
+        finished, log, tmp_path / "truth", cut="--duration 6 s ended the flight early", judges=False
+    )
     assert facts["success"] is False
     assert facts["reason"] == "57 missed life signs: a task did not run in time; ran to its end"
