@@ -123,9 +123,7 @@ class _NodeReader:
         inputs = self._inputs(interface)
         device = record.get("device")
         triggers = TriggerReader(self._name, interface, record, self._report)
-        outputs, params = self._outputs(interface), self._params(interface)
-        self._tell_left_over(interface)
-        return Node(
+        node = Node(
             name=self._name,
             interface=interface,
             device=None if device is None else device.value,
@@ -134,10 +132,12 @@ class _NodeReader:
             deadline_us=record.value("deadline"),
             budget_us=record.value("budget", budgets.get(self._name)),
             inputs=inputs,
-            outputs=outputs,
-            params=params,
+            outputs=self._outputs(interface),
+            params=self._params(interface),
             mark=self._mark,
         )
+        self._tell_left_over(interface)
+        return node
 
     def _interface(
         self, own: Board | None, board: Board | None, owners: dict[str, Mark]
