@@ -19,6 +19,23 @@ TEST(crc32, has_the_published_check_value) {
     EXPECT_EQ(crc32_bitwise("123456789", 9), 0xCBF43926U);
 }
 
+// Long ones are folded where the processor can multiply without carries, from any place.
+TEST(crc32, is_the_same_by_every_way) {
+    std::array<uint8_t, 400> bytes{};
+    uint32_t state = 1;
+    for (uint8_t& byte : bytes)
+        byte = static_cast<uint8_t>((state = state * 1664525 + 1013904223) >> 24);
+    for (size_t count = 0; count <= bytes.size(); ++count) {
+        const uint32_t expected = crc32_bitwise(bytes.data(), count);
+        EXPECT_EQ(crc32(0, bytes.data(), count), expected) << count;
+        const size_t first = count / 3;
+        const uint32_t before = crc32(0, bytes.data(), first);
+        EXPECT_EQ(crc32(before, bytes.data() + first, count - first), expected) << count;
+        const uint32_t by_tables = detail::crc32_by_tables(~0U, bytes.data(), count);
+        EXPECT_EQ(~by_tables, expected) << count;
+    }
+}
+
 TEST(sample_hash, differs_for_samples_that_differ) {
     // (0 ^ 1) * 0x9E3779B1, exclusive or its upper 17 bits.
     const std::array<uint32_t, 1> one{1};
