@@ -37,9 +37,10 @@ TEST(crc32, is_the_same_by_every_way) {
 }
 
 TEST(sample_hash, differs_for_samples_that_differ) {
-    // (0 ^ 1) * 0x9E3779B1, exclusive or its upper 17 bits.
-    const std::array<uint32_t, 1> one{1};
-    EXPECT_EQ(sample_hash(one.data(), 4), 0x9E3779B1U ^ (0x9E3779B1U >> 15));
+    // (0 ^ 1) * 0x9E3779B1, exclusive or its upper 17 bits; and that is exactly the second word.
+    constexpr uint32_t kOfOne = 0x9E3779B1U ^ (0x9E3779B1U >> 15);
+    EXPECT_EQ(sample_hash(std::array<uint32_t, 2>{1, kOfOne}.data(), 8), 0U);
+    EXPECT_EQ(sample_hash(std::array<uint32_t, 2>{1, kOfOne ^ 1U}.data(), 8), kOfOne);
     std::array<uint32_t, 8> sample{};
     std::set<uint32_t> hashes{sample_hash(sample.data(), sizeof sample)};
     for (uint32_t& word : sample) {

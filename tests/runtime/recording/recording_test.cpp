@@ -9,6 +9,8 @@
 namespace stator {
 namespace {
 
+constexpr size_t kPart = 64;  // behind the bytes of each stream
+
 // What the logger would find in the stream.
 std::vector<uint8_t> drain(RecordStream& stream) {
     std::vector<uint8_t> bytes;
@@ -21,8 +23,8 @@ std::vector<uint8_t> drain(RecordStream& stream) {
 }
 
 TEST(record_stream, writes_numbers_of_seven_bits_a_byte) {
-    std::array<uint8_t, 64> bytes{};
-    RecordStream stream(bytes.data(), bytes.size());
+    std::array<uint8_t, 64 + kPart> bytes{};
+    RecordStream stream(bytes.data(), bytes.size() - kPart);
     uint64_t previous_us = 1'000;
     stream.begin(3);
     stream.number(1);
@@ -38,18 +40,18 @@ TEST(record_stream, writes_numbers_of_seven_bits_a_byte) {
 }
 
 TEST(record_stream, writes_what_a_port_took_and_published) {
-    std::array<uint8_t, 64> bytes{};
-    RecordStream stream(bytes.data(), bytes.size());
+    std::array<uint8_t, 64 + kPart> bytes{};
+    RecordStream stream(bytes.data(), bytes.size() - kPart);
     stream.begin(3);
     stream.take(1, 200);
-    RecordStream::Part(stream).bytes("\x02\x07", 2);
+    stream.append("\x02\x07", 2);
     stream.end();
     EXPECT_EQ(drain(stream), (std::vector<uint8_t>{3, 1, 0xC8, 1, 2, 7}));
 }
 
 TEST(record_stream, a_record_that_is_not_ended_leaves_no_trace) {
-    std::array<uint8_t, 64> bytes{};
-    RecordStream stream(bytes.data(), bytes.size());
+    std::array<uint8_t, 64 + kPart> bytes{};
+    RecordStream stream(bytes.data(), bytes.size() - kPart);
     stream.begin(1);
     stream.number(9);
     stream.begin(2);
@@ -58,13 +60,13 @@ TEST(record_stream, a_record_that_is_not_ended_leaves_no_trace) {
 }
 
 TEST(record_stream, goes_round_its_memory_without_a_seam) {
-    std::array<uint8_t, 32> bytes{};
-    RecordStream stream(bytes.data(), bytes.size());
+    std::array<uint8_t, 32 + kPart> bytes{};
+    RecordStream stream(bytes.data(), bytes.size() - kPart);
     for (uint8_t i = 0; i < 100; ++i) {
         const std::array<uint8_t, 5> content{2, 3, 4, 5, 6};
         stream.begin(1);
         stream.take(i, 1);
-        RecordStream::Part(stream).bytes(content.data(), content.size());
+        stream.append(content.data(), content.size());
         stream.end();
         EXPECT_EQ(drain(stream), (std::vector<uint8_t>{1, i, 1, 2, 3, 4, 5, 6}));
     }
@@ -72,13 +74,13 @@ TEST(record_stream, goes_round_its_memory_without_a_seam) {
 }
 
 TEST(record_stream, counts_what_finds_no_room_and_stays_silent_from_there_on) {
-    std::array<uint8_t, 32> bytes{};
-    RecordStream stream(bytes.data(), bytes.size());
+    std::array<uint8_t, 32 + kPart> bytes{};
+    RecordStream stream(bytes.data(), bytes.size() - kPart);
     const std::array<uint8_t, 12> content{};
     const auto record = [&] {
         stream.begin(1);
         if (stream.has_room(content.size())) {
-            RecordStream::Part(stream).bytes(content.data(), content.size());
+            stream.append(content.data(), content.size());
         }
         stream.end();
     };
@@ -94,9 +96,9 @@ TEST(record_stream, counts_what_finds_no_room_and_stays_silent_from_there_on) {
 }
 
 TEST(record_stream, counts_who_comes_in_while_another_one_is_in_its_node) {
-    std::array<uint8_t, 32> bytes{};
-    RecordStream low(bytes.data(), bytes.size());
-    RecordStream high(bytes.data(), bytes.size());
+    std::array<uint8_t, 32 + kPart> bytes{};
+    RecordStream low(bytes.data(), bytes.size() - kPart);
+    RecordStream high(bytes.data(), bytes.size() - kPart);
     high.leave(high.enter());
     RecordStream* const outside = low.enter();
     high.leave(high.enter());

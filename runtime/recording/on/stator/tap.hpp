@@ -13,8 +13,13 @@ namespace stator {
 
 inline constexpr bool kRecords = true;
 
-[[gnu::noinline]] inline void make_canonical(const RecordedOutput& output, void* sample) {
-    canonicalise(static_cast<std::byte*>(sample), output.floats, output.float_count);
+// Of a message with a NaN, which is rare.
+template <class Message>
+[[gnu::cold, gnu::noinline]] void make_canonical(Message* message) {
+    for (const auto& [offset, count, bytes] : Message::kFloatRuns) {
+        const FloatRun run{offset, count, static_cast<uint8_t>(bytes)};
+        canonicalise(reinterpret_cast<std::byte*>(message), &run, 1);
+    }
 }
 
 // A sample that was published, with its hash, and its number less that of the one before.
@@ -23,16 +28,15 @@ inline constexpr bool kRecords = true;
     if (!stream.has_room(RecordStream::kTakeBytes + sizeof hash)) return;
     RecordStream::Part part(stream);
     part.byte(tag);
-    for (unsigned i = 0; i < sizeof hash; ++i) part.byte(static_cast<uint8_t>(hash >> (8 * i)));
+    part.word(hash);
     part.number(further);
 }
 // The sample itself; its number follows.
 [[gnu::always_inline]] inline void record_whole(RecordStream& stream, uint8_t tag,
                                                 const void* sample, uint32_t bytes) {
     if (!stream.has_room(RecordStream::kTakeBytes + bytes)) return;
-    RecordStream::Part part(stream);
-    part.byte(tag);
-    part.bytes(sample, bytes);
+    RecordStream::Part(stream).byte(tag);
+    stream.append(sample, bytes);
 }
 
 // Of a sample that stays as it is until it is recorded.
@@ -103,8 +107,16 @@ class Tap {
         if (has_noted_) part.take(tag_, further(noted_));
     }
     // An output: before anyone can read the sample ...
-    [[gnu::always_inline]] void builds(void* sample) {
-        if (stream_ != nullptr && output_->float_count != 0) make_canonical(*output_, sample);
+    template <class Message>
+    [[gnu::always_inline]] void builds(Message* message) {
+        if constexpr (requires { Message::kFloatRuns; }) {
+            if (has_nan(*message)) [[unlikely]] {
+                make_canonical(message);
+            }
+        }
+    }
+    void builds(std::byte* sample) {
+        if (stream_ != nullptr) canonicalise(sample, output_->floats, output_->float_count);
     }
     // ... and behind its commit, if it stays as it is until then ...
     [[gnu::always_inline]] void published(const void* sample, uint32_t bytes, uint32_t number) {
