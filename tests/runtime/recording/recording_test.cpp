@@ -44,9 +44,9 @@ TEST(record_stream, writes_what_a_port_took_and_published) {
     RecordStream stream(bytes.data(), bytes.size() - kPart);
     stream.begin(3);
     stream.take(1, 200);
-    stream.append("\x02\x07", 2);
+    stream.append("\x02\x07\x03\x04", 4);
     stream.end();
-    EXPECT_EQ(drain(stream), (std::vector<uint8_t>{3, 1, 0xC8, 1, 2, 7}));
+    EXPECT_EQ(drain(stream), (std::vector<uint8_t>{3, 1, 0xC8, 1, 2, 7, 3, 4}));
 }
 
 TEST(record_stream, a_record_that_is_not_ended_leaves_no_trace) {
@@ -63,12 +63,12 @@ TEST(record_stream, goes_round_its_memory_without_a_seam) {
     std::array<uint8_t, 32 + kPart> bytes{};
     RecordStream stream(bytes.data(), bytes.size() - kPart);
     for (uint8_t i = 0; i < 100; ++i) {
-        const std::array<uint8_t, 5> content{2, 3, 4, 5, 6};
+        const std::array<uint8_t, 8> content{2, 3, 4, 5, 6, 7, 8, 9};
         stream.begin(1);
         stream.take(i, 1);
         stream.append(content.data(), content.size());
         stream.end();
-        EXPECT_EQ(drain(stream), (std::vector<uint8_t>{1, i, 1, 2, 3, 4, 5, 6}));
+        EXPECT_EQ(drain(stream), (std::vector<uint8_t>{1, i, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
     }
     EXPECT_EQ(stream.lost(), 0U);
 }

@@ -13,7 +13,7 @@ namespace stator {
 
 inline constexpr bool kRecords = true;
 
-// Of a message with a NaN, which is rare.
+// Of a message with a NaN that the processor has made, which is rare.
 template <class Message>
 [[gnu::cold, gnu::noinline]] void make_canonical(Message* message) {
     for (const auto& [offset, count, bytes] : Message::kFloatRuns) {
@@ -32,11 +32,17 @@ template <class Message>
     part.number(further);
 }
 // The sample itself; its number follows.
-[[gnu::always_inline]] inline void record_whole(RecordStream& stream, uint8_t tag,
+[[gnu::always_inline]] inline void record_bytes(RecordStream& stream, uint8_t tag,
                                                 const void* sample, uint32_t bytes) {
-    if (!stream.has_room(RecordStream::kTakeBytes + bytes)) return;
     RecordStream::Part(stream).byte(tag);
     stream.append(sample, bytes);
+}
+[[gnu::always_inline]] inline void record_whole(RecordStream& stream, uint8_t tag,
+                                                const void* sample, uint32_t bytes,
+                                                uint32_t further) {
+    if (!stream.has_room(RecordStream::kTakeBytes + bytes)) return;
+    record_bytes(stream, tag, sample, bytes);
+    RecordStream::Part(stream).number(further);
 }
 
 // Of a sample that stays as it is until it is recorded.
@@ -47,8 +53,7 @@ template <class Message>
         case RecordedOutput::How::kHash:
             return record_hash(stream, output.tag, sample_hash(sample, bytes), further);
         case RecordedOutput::How::kWhole:
-            record_whole(stream, output.tag, sample, bytes);
-            return stream.number(further);
+            return record_whole(stream, output.tag, sample, bytes, further);
         case RecordedOutput::How::kStamp:
             return stream.take(output.tag, further);
     }
@@ -59,8 +64,9 @@ template <class Message>
 [[gnu::noinline]] inline uint32_t record_sample(RecordStream& stream, const RecordedOutput& output,
                                                 const void* sample, uint32_t bytes) {
     if (output.how == RecordedOutput::How::kHash) return sample_hash(sample, bytes);
-    if (output.how == RecordedOutput::How::kWhole) {
-        record_whole(stream, output.tag, sample, bytes);
+    if (output.how == RecordedOutput::How::kWhole &&
+        stream.has_room(RecordStream::kTakeBytes + bytes)) {
+        record_bytes(stream, output.tag, sample, bytes);
     }
     return 0;
 }
@@ -110,7 +116,7 @@ class Tap {
     template <class Message>
     [[gnu::always_inline]] void builds(Message* message) {
         if constexpr (requires { Message::kFloatRuns; }) {
-            if (has_nan(*message)) [[unlikely]] {
+            if (has_other_nan(*message)) [[unlikely]] {
                 make_canonical(message);
             }
         }
