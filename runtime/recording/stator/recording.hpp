@@ -103,8 +103,13 @@ class RecordStream {
     // A record that is begun and not ended leaves no trace. It may stand before `step`, so it asks
     // nothing: `has_room` has left room for it.
     [[gnu::always_inline]] void begin(uint32_t task) {
-        position_ = written_.load(std::memory_order_relaxed);
-        Part(*this).number(task);
+        const uint32_t position = written_.load(std::memory_order_relaxed);
+        if (task > 0x7F) {
+            position_ = position;
+            return Part(*this).number(task);
+        }
+        bytes_[position & mask_] = static_cast<uint8_t>(task);
+        position_ = position + 1;
     }
     // False, and the record will be lost, if it may need more than there is; so are all after it.
     // Keeps room for the next record's beginning.

@@ -127,6 +127,7 @@ class Tap {
     // ... and behind its commit, if it stays as it is until then ...
     [[gnu::always_inline]] void published(const void* sample, uint32_t bytes, uint32_t number) {
         if (stream_ == nullptr) return;
+        asm volatile("" ::: "memory");  // what follows waits until the subscribers are pended
         record_publication(*stream_, *output_, sample, bytes, further(number));
     }
     // ... or what its slot's next user could change before the commit, and the rest behind it.
