@@ -153,16 +153,16 @@ class RecordStream {
         lost_.store(lost + 1, kDone);
     }
 
-    // Around `step`: who is in its node, and how often another job came in between. `leave` gets
-    // what `enter` returned.
-    RecordStream* enter() {
-        RecordStream* const outer = inside.load(std::memory_order_relaxed);
-        inside.store(this, std::memory_order_relaxed);
+    // Around `step`: whether another job was in its node when this one came. `leave` gets what
+    // `enter` returned.
+    static uint32_t enter() {
+        const uint32_t outer = is_inside.load(std::memory_order_relaxed);
+        is_inside.store(1, std::memory_order_relaxed);
         return outer;
     }
-    void leave(RecordStream* outer) {
-        inside.store(outer, std::memory_order_relaxed);
-        preemptions_ += outer != nullptr ? 1U : 0U;
+    void leave(uint32_t outer) {
+        is_inside.store(outer, std::memory_order_relaxed);
+        preemptions_ += outer;
     }
 
     // --- for the logger ---
@@ -196,12 +196,12 @@ class RecordStream {
         std::memcpy(bytes_, bytes_ + mask_ + 1, end - mask_ - 1);
     }
 
-    // The stream of the innermost job that is in its node now, over all levels of the machine.
-    // Where levels are threads, none interrupts another one inside the program.
+    // 1 if a job is in its node now, over all levels of the machine. Where levels are threads, none
+    // interrupts another one inside the program.
 #ifdef __linux__
-    static inline thread_local std::atomic<RecordStream*> inside{nullptr};
+    static inline thread_local std::atomic<uint32_t> is_inside{0};
 #else
-    static inline std::atomic<RecordStream*> inside{nullptr};
+    static inline std::atomic<uint32_t> is_inside{0};
 #endif
 
     uint8_t* bytes_;

@@ -99,12 +99,12 @@ TEST(record_stream, counts_who_comes_in_while_another_one_is_in_its_node) {
     std::array<uint8_t, 32 + kPart> bytes{};
     RecordStream low(bytes.data(), bytes.size() - kPart);
     RecordStream high(bytes.data(), bytes.size() - kPart);
-    high.leave(high.enter());
-    RecordStream* const outside = low.enter();
-    high.leave(high.enter());
-    high.leave(high.enter());
+    high.leave(RecordStream::enter());
+    const uint32_t outside = RecordStream::enter();
+    high.leave(RecordStream::enter());
+    high.leave(RecordStream::enter());
     low.leave(outside);
-    high.leave(high.enter());
+    high.leave(RecordStream::enter());
     EXPECT_EQ(low.preemptions(), 0U);
     EXPECT_EQ(high.preemptions(), 2U);
 }
