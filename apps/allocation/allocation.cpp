@@ -31,12 +31,6 @@ unsigned configure(Rotors& rotors, const AllocationParams& params) {
     return rotors.set_geometry(std::span(all).first(count)) ? count : 0;
 }
 
-constexpr std::array<float, kMaxRotors> kStopped = [] {
-    std::array<float, kMaxRotors> control{};
-    control.fill(math::canonical_nan<float>());
-    return control;
-}();
-
 float share_or_zero(float value, float least, float most) {
     return math::is_nan(value) ? 0.0F : math::clamp(value, least, most);
 }
@@ -51,7 +45,8 @@ void Allocation::step(AllocationPorts& ports) {
     if (!ports.torque) return;
     if (ports.params.is_new()) count_ = configure(rotors_, *ports.params);
 
-    std::array<float, kMaxRotors> control = kStopped;
+    std::array<float, kMaxRotors> control;
+    control.fill(math::canonical_nan<float>());
     if (is_armed(ports) && count_ != 0) {
         const auto& xyz = ports.torque->xyz;
         const Vector3<float> torque(share_or_zero(xyz[0], -1.0F, 1.0F),

@@ -205,11 +205,10 @@ void Logger::write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id,
                           const std::byte* sample) {
     const size_t bytes = row.bytes;
     begin(ports, 'D', sizeof id + bytes);
-    std::byte* const message = block_ + used_;  // `begin` made room for the whole sample
-    std::memcpy(message, &id, sizeof id);
-    std::memcpy(message + sizeof id, sample, bytes);
-    canonicalise(message + sizeof id, row.floats, row.float_count);
-    used_ += sizeof id + bytes;
+    write(ports, &id, sizeof id);
+    std::byte* copy = block_ + used_;  // `begin` made room for the whole sample
+    write(ports, sample, bytes);
+    canonicalise(copy, row.floats, row.float_count);
 }
 
 void Logger::write_events(LoggerPorts& ports) {
@@ -236,9 +235,8 @@ void Logger::begin(LoggerPorts& ports, char type, size_t bytes) {
     // A message starts in a block that holds it whole if any does, so that NaNs can be replaced in
     // place and a lost block costs whole messages only.
     if (used_ + sizeof size + 1 + bytes > kBlockBytes) flush(ports);
-    std::memcpy(block_ + used_, &size, sizeof size);
-    std::memcpy(block_ + used_ + sizeof size, &type, 1);
-    used_ += sizeof size + 1;
+    write(ports, &size, sizeof size);
+    write(ports, &type, 1);
 }
 
 void Logger::write(LoggerPorts& ports, const void* bytes, size_t count) {

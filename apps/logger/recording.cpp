@@ -64,7 +64,8 @@ void Logger::write_check(LoggerPorts& ports) {
 
 void Logger::begin_recorded(LoggerPorts& ports, Kind kind, unsigned level, size_t bytes) {
     begin(ports, kRecording, sizeof kind + bytes);
-    block_[used_++] = static_cast<std::byte>(static_cast<unsigned>(kind) | level);
+    const auto head = static_cast<uint8_t>(static_cast<unsigned>(kind) | level);
+    write(ports, &head, sizeof head);
 }
 
 void Logger::check_block() {

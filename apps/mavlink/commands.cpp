@@ -33,7 +33,7 @@ void Mavlink::acknowledge(unsigned number, mav::Address to, uint16_t command, ui
 }
 
 void Mavlink::answer(const Request& request, uint32_t outcome) {
-    acknowledge(request.link, request.from, request.command, outcome);
+    if (!request.is_silent) acknowledge(request.link, request.from, request.command, outcome);
 }
 
 // The answer goes out before the message, as some wait for it first.
@@ -160,6 +160,7 @@ void Mavlink::command(const Request& request, const VehicleCommand& wish, Mavlin
     }
     const auto tag = static_cast<uint8_t>(pending_.tag + 1);
     pending_ = {.is_one = true,
+                .is_silent = request.is_silent,
                 .link = request.link,
                 .from = request.from,
                 .command = request.command,
@@ -173,16 +174,17 @@ void Mavlink::command(const Request& request, const VehicleCommand& wish, Mavlin
 }
 
 void Mavlink::take_answers(MavlinkPorts& ports) {
+    const auto end = [this](uint32_t outcome) {
+        pending_.is_one = false;
+        if (pending_.is_silent) return;
+        acknowledge(pending_.link, pending_.from, pending_.command, outcome);
+    };
     while (ports.ack.next()) {
-        if (!pending_.is_one || ports.ack->tag != pending_.tag) continue;
-        pending_.is_one = false;
-        acknowledge(pending_.link, pending_.from, pending_.command,
-                    static_cast<uint32_t>(ports.ack->result));
+        if (pending_.is_one && ports.ack->tag == pending_.tag) {
+            end(static_cast<uint32_t>(ports.ack->result));
+        }
     }
-    if (pending_.is_one && ports.now - pending_.since_us > kPatience_us) {
-        pending_.is_one = false;
-        acknowledge(pending_.link, pending_.from, pending_.command, result::kFailed);
-    }
+    if (pending_.is_one && ports.now - pending_.since_us > kPatience_us) end(result::kFailed);
 }
 
 }  // namespace stator::apps::mavlink

@@ -96,7 +96,22 @@ void Mavlink::handle(unsigned number, const mav::Frame& frame, MavlinkPorts& por
                                             .target_component = frame.source.component});
             return;
         }
+        case mav::MissionSetCurrent::kId: {
+            const auto c = mav::decode<mav::MissionSetCurrent>(frame.payload);
+            if (!is_for_us(c)) return;
+            return handle_command({.link = number,
+                                   .from = frame.source,
+                                   .command = mav::mav_cmd::kDoSetMissionCurrent,
+                                   .frame = 0,
+                                   .is_silent = true,
+                                   .param = {static_cast<float>(c.seq), 0.0F, 0.0F, 0.0F},
+                                   .latitude_deg = 0.0,
+                                   .longitude_deg = 0.0,
+                                   .z = 0.0F},
+                                  ports);
+        }
         default:
+            plans_.handle(link(number), number, frame, ports);
             return;
     }
 }
@@ -111,6 +126,16 @@ void Mavlink::receive(unsigned number, Input<SerialBytes>& received, MavlinkPort
         while (const auto frame = link(number).next(bytes, ports.now)) {
             handle(number, *frame, ports);
         }
+    }
+}
+
+// Each item of the mission that is reached, once, on all lines.
+void Mavlink::tell_reached(const MavlinkPorts& ports) {
+    if (!ports.result || ports.result->seq_reached == reached_) return;
+    reached_ = ports.result->seq_reached;
+    if (reached_ < 0) return;
+    for (Line& line : lines_) {
+        line.link.send(mav::MissionItemReached{.seq = static_cast<uint16_t>(reached_)});
     }
 }
 
@@ -141,10 +166,13 @@ void Mavlink::step(MavlinkPorts& ports) {
     for (Line& line : lines_) {
         line.link.refill(dt);
         if (telemetry_.is_status_new()) line.streams.hasten(mav::Heartbeat::kId, ports.now);
+        if (telemetry_.is_mission_new()) line.streams.hasten(mav::MissionCurrent::kId, ports.now);
     }
     receive(0, ports.received1, ports);
     receive(1, ports.received2, ports);
     take_answers(ports);
+    plans_.step(lines_, ports);
+    tell_reached(ports);
     for (unsigned i = 0; i < kLinks; ++i) {
         if (link(i).is_open()) tell_due(i, ports);
     }

@@ -5,6 +5,7 @@
 
 #include "link.hpp"
 #include "mavlink_ports.hpp"
+#include "mission_transfer.hpp"
 #include "streams.hpp"
 #include "telemetry.hpp"
 
@@ -31,6 +32,7 @@ class Mavlink {
         mav::Address from;
         uint16_t command;
         uint8_t frame;
+        bool is_silent = false;
         std::array<float, 4> param;
         double latitude_deg;  // not a number: none
         double longitude_deg;
@@ -39,6 +41,7 @@ class Mavlink {
     // The one that the vehicle has been told, and that has no answer yet.
     struct Pending {
         bool is_one = false;
+        bool is_silent = false;  // it came in a message that has no answer
         unsigned link = 0;
         mav::Address from;
         uint16_t command = 0;
@@ -55,6 +58,7 @@ class Mavlink {
     void handle(unsigned number, const mav::Frame& frame, MavlinkPorts& ports);
     template <class Message>
     bool is_for_us(const Message& message) const;
+    void tell_reached(const MavlinkPorts& ports);
     void tell_due(unsigned number, const MavlinkPorts& ports);
     void send_waiting(unsigned number, Output<SerialBytes>& output);
     Link& link(unsigned number) { return lines_[number].link; }
@@ -73,8 +77,10 @@ class Mavlink {
 
     std::array<Line, kLinks> lines_;
     Telemetry telemetry_;
+    MissionTransfer plans_;
     mav::Address own_{1, kComponent};
     Pending pending_;
+    int32_t reached_ = -1;  // the item that was told last
     uint64_t last_us_ = 0;
 };
 

@@ -135,6 +135,7 @@ void Telemetry::update(const MavlinkPorts& ports) {
         home_N_ = {ports.home->x, ports.home->y, ports.home->z};
         home_heading_ = ports.home->yaw;
     }
+    update_mission(ports);
     uint32_t status = 0;
     if (ports.status) {
         const VehicleStatus& s = *ports.status;
@@ -171,28 +172,29 @@ mav::Heartbeat Telemetry::heartbeat(const MavlinkPorts& ports) const {
 
 mav::SysStatus Telemetry::sys_status(const MavlinkPorts& ports) const {
     namespace sensor = mav::mav_sys_status_sensor;
-    uint32_t present = sensor::k3dGyro | sensor::k3dAccel | sensor::kMotorOutputs;
-    uint32_t health = sensor::kMotorOutputs;
+    uint32_t present = sensor::kSensor3dGyro | sensor::kSensor3dAccel | sensor::kSensorMotorOutputs;
+    uint32_t health = sensor::kSensorMotorOutputs;
     const auto add = [&](uint32_t bit, bool is_there, bool is_good) {
         if (is_there) present |= bit;
         if (is_there && is_good) health |= bit;
     };
-    add(sensor::k3dGyro, true, static_cast<bool>(ports.gyro));
-    add(sensor::k3dAccel, true, static_cast<bool>(ports.accel));
-    add(sensor::k3dMag, true, static_cast<bool>(ports.mag));
-    add(sensor::kAbsolutePressure, true, static_cast<bool>(ports.baro));
+    add(sensor::kSensor3dGyro, true, static_cast<bool>(ports.gyro));
+    add(sensor::kSensor3dAccel, true, static_cast<bool>(ports.accel));
+    add(sensor::kSensor3dMag, true, static_cast<bool>(ports.mag));
+    add(sensor::kSensorAbsolutePressure, true, static_cast<bool>(ports.baro));
     const bool has_position = ports.position && ports.position->xy_valid && ports.position->z_valid;
-    add(sensor::kGps, true, ports.gnss && ports.gnss->fix_type >= SensorGps::FixType::kFix3d);
-    add(sensor::kMavSysStatusAhrs, true, ports.attitude && has_position);
-    add(sensor::kRcReceiver, static_cast<bool>(ports.sticks), ports.sticks && ports.sticks->valid);
+    add(sensor::kSensorGps, true, ports.gnss && ports.gnss->fix_type >= SensorGps::FixType::kFix3d);
+    add(sensor::kAhrs, true, ports.attitude && has_position);
+    add(sensor::kSensorRcReceiver, static_cast<bool>(ports.sticks),
+        ports.sticks && ports.sticks->valid);
     const bool is_inside = ports.fence && !ports.fence->geofence_max_dist_triggered &&
                            !ports.fence->geofence_max_alt_triggered &&
                            !ports.fence->geofence_custom_fence_triggered;
-    add(sensor::kMavSysStatusGeofence, true, is_inside || !ports.fence);
+    add(sensor::kGeofence, true, is_inside || !ports.fence);
     if (ports.health) {
-        add(sensor::kMavSysStatusLogging, true, ports.health->logging_ok);
-        add(sensor::kBattery, true, ports.health->battery_ok);
-        add(sensor::kMavSysStatusPrearmCheck, true, may_be_armed(ports));
+        add(sensor::kLogging, true, ports.health->logging_ok);
+        add(sensor::kSensorBattery, true, ports.health->battery_ok);
+        add(sensor::kPrearmCheck, true, may_be_armed(ports));
     }
     mav::SysStatus message{.onboard_control_sensors_present = present,
                            .onboard_control_sensors_enabled = present,
@@ -242,10 +244,10 @@ mav::HomePosition Telemetry::home_position(uint64_t now_us) const {
     return message;
 }
 
-mav::MissionCurrent Telemetry::mission_current(const MavlinkPorts& ports) const {
+// A mission is complete from its end on, until it is flown again or another one takes its place.
+void Telemetry::update_mission(const MavlinkPorts& ports) {
     mav::MissionCurrent message{};
     const bool has_mission = ports.mission && ports.mission->count != 0;
-    uint32_t state = has_mission ? mav::mission_state::kNotStarted : mav::mission_state::kNoMission;
     if (ports.mission) {
         message.total = ports.mission->count;
         message.mission_id = ports.mission->mission_id;
@@ -253,11 +255,15 @@ mav::MissionCurrent Telemetry::mission_current(const MavlinkPorts& ports) const 
         message.rally_points_id = ports.mission->safe_points_id;
     }
     const bool flies_mission = is_armed(ports) && ports.status->nav_state == Nav::kMission;
+    uint32_t state = has_mission ? mav::mission_state::kNotStarted : mav::mission_state::kNoMission;
     if (ports.result && has_mission) {
         const MissionResult& result = *ports.result;
         message.seq = result.seq_current;
-        const bool is_over = result.seq_reached + 1 >= static_cast<int32_t>(message.total);
-        if (is_over) {
+        const bool is_of_mission = result.nav_state == static_cast<uint8_t>(Nav::kMission);
+        const bool is_over = (is_of_mission && result.finished) || result.waits;
+        if (message.mission_id != mission_.mission_id) is_complete_ = false;
+        if (flies_mission || is_over) is_complete_ = is_over;
+        if (is_complete_) {
             state = mav::mission_state::kComplete;
         } else if (flies_mission) {
             state = mav::mission_state::kActive;
@@ -267,7 +273,8 @@ mav::MissionCurrent Telemetry::mission_current(const MavlinkPorts& ports) const 
     }
     message.mission_state = static_cast<uint8_t>(state);
     message.mission_mode = flies_mission ? 1 : 2;
-    return message;
+    is_mission_new_ = !(message == mission_);
+    mission_ = message;
 }
 
 mav::Odometry Telemetry::odometry(const MavlinkPorts& ports) const {
@@ -390,7 +397,7 @@ Told Telemetry::tell_status(uint32_t id, Link& link, const MavlinkPorts& ports) 
         case mav::HomePosition::kId:
             return knows_home_ ? sent(link, home_position(ports.now)) : Told::kNothing;
         case mav::MissionCurrent::kId:
-            return sent(link, mission_current(ports));
+            return sent(link, mission_);
         default:
             return Told::kUnknown;
     }

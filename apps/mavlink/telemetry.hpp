@@ -25,6 +25,8 @@ class Telemetry {
     // Whether armed state, mode or what they follow from is another one than in the activation
     // before.
     bool is_status_new() const { return is_status_new_; }
+    // Whether the mission, its item or its state is another one.
+    bool is_mission_new() const { return is_mission_new_; }
     // Of N, as far as it is known.
     bool knows_earth() const { return knows_earth_; }
     const math::LocalFrame& frame() const { return frame_; }
@@ -41,7 +43,7 @@ class Telemetry {
     mav::GlobalPositionInt global_position(const VehicleLocalPosition& position,
                                            uint32_t boot_ms) const;
     mav::HomePosition home_position(uint64_t now_us) const;
-    mav::MissionCurrent mission_current(const MavlinkPorts& ports) const;
+    void update_mission(const MavlinkPorts& ports);
     mav::Odometry odometry(const MavlinkPorts& ports) const;
 
     math::LocalFrame frame_;
@@ -53,6 +55,9 @@ class Telemetry {
     bool knows_home_ = false;
     uint32_t told_status_ = 0;
     bool is_status_new_ = false;
+    mav::MissionCurrent mission_{};
+    bool is_complete_ = false;  // the mission
+    bool is_mission_new_ = false;
 };
 
 }  // namespace stator::apps::mavlink

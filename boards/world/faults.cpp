@@ -131,6 +131,24 @@ bool Faults::add(const Fault& fault) {
     return true;
 }
 
+std::optional<double> Faults::now(FaultKind kind, std::uint64_t time_us) const {
+    std::optional<double> result;
+    for (unsigned i = 0; i < count_; ++i) {
+        const Fault& fault = faults_[i];
+        if (fault.kind == kind && fault.acts(time_us)) result = fault.value;
+    }
+    return result;
+}
+
+std::optional<double> Faults::now(std::string_view part, FaultKind kind,
+                                  std::uint64_t time_us) const {
+    std::optional<double> result;
+    for (const Fault& fault : *this) {
+        if (fault.kind == kind && fault.is_of(part) && fault.acts(time_us)) result = fault.value;
+    }
+    return result;
+}
+
 std::optional<Fault> read_fault(const char* text) {
     const std::string_view whole = text;
     const std::size_t at = whole.find('@');

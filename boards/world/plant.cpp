@@ -46,54 +46,25 @@ struct AirMotion {
     Vector3 rate_B;
 };
 
-using PerRotor = Eigen::Array<double, kRotors, 1>;
-
-// Of each rotor, its place against the centre of mass and its turning direction.
-struct RotorRows {
-    PerRotor x;
-    PerRotor y;
-    PerRotor turns_ccw;
-};
-RotorRows rows_of(const std::array<Rotor, kRotors>& rotors) {
-    RotorRows rows;
-    for (unsigned i = 0; i < kRotors; ++i) {
-        rows.x[i] = rotors[i].x;
-        rows.y[i] = rotors[i].y;
-        rows.turns_ccw[i] = rotors[i].turns_ccw;
-    }
-    return rows;
+// k_T speed^2, less what the air that comes towards the rotor takes.
+double rotor_thrust(const QuadParameters& parameters, double speed, double climb) {
+    return parameters.thrust_per_speed2 * speed * (speed - climb / parameters.inflow_pitch);
 }
 
-// `sum` and the rotors' wrenches, in order. All rotors at once, as processors compute two numbers
-// at a time, and a tenth of the time of a flight is spent here.
-Wrench with_rotors(Wrench sum, const QuadParameters& parameters, const AirMotion& motion,
-                   const RotorSpeeds& speeds, const std::array<double, kRotors>& efficiency) {
-    const auto [x, y, turns_ccw] = rows_of(parameters.rotors);
-    const PerRotor speed = speeds.array();
-    const Vector3& v_B = motion.velocity_B;
-    const Vector3& w_B = motion.rate_B;
-    // The hub moves with v_B + w_B x (x, y, 0).
-    const PerRotor hub_x = v_B.x() - w_B.z() * y;
-    const PerRotor hub_y = v_B.y() + w_B.z() * x;
-    const PerRotor climb = -(v_B.z() + (w_B.x() * y - w_B.y() * x));
-    // k_T speed^2, less what the air that comes towards the rotor takes.
-    const PerRotor thrust =
-        Eigen::Map<const PerRotor>(efficiency.data()) *
-        (parameters.thrust_per_speed2 * speed * (speed - climb / parameters.inflow_pitch));
-    const PerRotor drag_x = -parameters.rotor_drag * speed * hub_x;
-    const PerRotor drag_y = -parameters.rotor_drag * speed * hub_y;
-    // (x, y, 0) x (drag, -thrust); and the blade that meets the wind lifts more than the one that
-    // flees it.
-    const PerRotor rolling = turns_ccw * parameters.rolling_moment * speed;
-    const PerRotor torque_x = -(y * thrust) - rolling * hub_x;
-    const PerRotor torque_y = x * thrust - rolling * hub_y;
-    const PerRotor torque_z =
-        (x * drag_y - y * drag_x) + turns_ccw * parameters.torque_per_thrust * thrust;
-    for (unsigned i = 0; i < kRotors; ++i) {
-        sum.force_B += Vector3(drag_x[i], drag_y[i], -thrust[i]);
-        sum.torque_B += Vector3(torque_x[i], torque_y[i], torque_z[i]);
-    }
-    return sum;
+Wrench rotor_wrench(const QuadParameters& parameters, unsigned i, const AirMotion& motion,
+                    double speed, double efficiency) {
+    const Rotor& rotor = parameters.rotors[i];
+    const Vector3 arm_B(rotor.x, rotor.y, 0.0);
+    const Vector3 hub_B = motion.velocity_B + motion.rate_B.cross(arm_B);
+    const double thrust = efficiency * rotor_thrust(parameters, speed, -hub_B.z());
+    const Vector3 across_B(hub_B.x(), hub_B.y(), 0.0);
+    const Vector3 drag_B = -parameters.rotor_drag * speed * across_B;
+    const Vector3 force_B(drag_B.x(), drag_B.y(), -thrust);
+    Wrench wrench{force_B, arm_B.cross(force_B)};
+    // The blade that meets the wind lifts more than the one that flees it.
+    wrench.torque_B -= rotor.turns_ccw * parameters.rolling_moment * speed * across_B;
+    wrench.torque_B.z() += rotor.turns_ccw * parameters.torque_per_thrust * thrust;
+    return wrench;
 }
 
 Wrench body_drag(const QuadParameters& parameters, const Vector3& velocity_B) {
@@ -141,8 +112,11 @@ void Plant::step(double dt) {
 Wrench Plant::applied_wrench(const Motion& motion, const RotorSpeeds& speeds) const {
     const AirMotion in_air{motion.R_NB.transpose() * (motion.velocity_N - influence_.wind_N),
                            motion.rate_B};
-    const Wrench rest = body_drag(parameters_, in_air.velocity_B) + ground_.wrench(motion);
-    return with_rotors(rest, parameters_, in_air, speeds, influence_.efficiency);
+    Wrench sum = body_drag(parameters_, in_air.velocity_B) + ground_.wrench(motion);
+    for (unsigned i = 0; i < kRotors; ++i) {
+        sum = sum + rotor_wrench(parameters_, i, in_air, speeds[i], influence_.efficiency[i]);
+    }
+    return sum;
 }
 
 QuadState Plant::derivative(const QuadState& state) const {

@@ -37,7 +37,7 @@ _TYPES = frozenset(
     Ending PendingWord Refusal RingEntry Settings SlotState Activation ActivationRing FaultRecord
     FrameReader Kept KeptRecord Link LogEvent LogEvents ModeGate TickSource Transport WatchState
     Watched ParameterPort ParameterRow ParameterRows ParameterTable ParameterTopic
-    ParameterType RefusedPublications TaskFigures UntimedCounters""".split()
+    ParameterType RefusedPublications""".split()
 )
 
 

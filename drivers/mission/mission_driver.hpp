@@ -21,6 +21,7 @@ class MissionDriver {
         bool is_news = (store_.is_loaded() && !was_loaded) || is_lost != was_lost_;
         was_lost_ = is_lost;
         while (ports.upload.next()) is_news = take(*ports.upload) || is_news;
+        if (ports.download.next()) read_out(ports, *ports.download);
         if (ports.request.is_new()) answer(ports, *ports.request);
         if (is_news && store_.is_loaded()) tell(ports);
     }
@@ -29,6 +30,7 @@ class MissionDriver {
     static constexpr unsigned kMission = 0;
     static constexpr unsigned kFence = 1;
     static constexpr unsigned kRally = 2;
+    static constexpr unsigned kDownloads = 2;  // items: the burst of the output
 
     // Says whether there is something to tell.
     bool take(const MissionUpload& part) {
@@ -96,6 +98,32 @@ class MissionDriver {
             items.count = static_cast<uint8_t>(count);
             return items;
         });
+    }
+
+    // One download in each activation.
+    void read_out(MissionPorts& ports, const MissionRequest& wanted) {
+        const auto list = static_cast<unsigned>(wanted.list);
+        if (list >= Store::kLists || was_lost_) return;
+        for (unsigned i = 0; i < kDownloads; ++i) {
+            StoredItem item{};
+            const unsigned index = wanted.first + i;
+            if (index >= store_.list(list).count || !store_.read(list, index, item)) return;
+            ports.downloaded.publish([&] {
+                return MissionItem{.id = store_.list(list).id,
+                                   .index = static_cast<uint16_t>(index),
+                                   .list = static_cast<MissionItem::List>(wanted.list),
+                                   .frame = item.frame,
+                                   .command = item.command,
+                                   .autocontinue = item.autocontinue,
+                                   .param1 = item.param1,
+                                   .param2 = item.param2,
+                                   .param3 = item.param3,
+                                   .param4 = item.param4,
+                                   .x = item.x,
+                                   .y = item.y,
+                                   .z = item.z};
+            });
+        }
     }
 
     void tell(MissionPorts& ports) {

@@ -34,7 +34,7 @@ void put_sample(Writer& out, unsigned index) {
     out.put(uint32_t{0});
 }
 
-TaskFigures figures_of(unsigned task) {
+TaskCounters figures_of(unsigned task) {
     return figures_below_tasks(*program.tasks[task].counters, [](const uint32_t& counter) {
         return __atomic_load_n(&counter, __ATOMIC_RELAXED);
     });

@@ -56,8 +56,8 @@ LogParts<T> log_parts(T x) {
     constexpr auto kSqrt2 = static_cast<T>(1.4142135623730951);
     const T mantissa = from_bits<T>(to_bits(T{1}) | (integer & Format::kFractionMask));
     const int n = exponent + Format::kFractionBits;
-    const bool is_upper = mantissa > kSqrt2;  // no branch: it could not be predicted
-    return {static_cast<T>(n + (is_upper ? 1 : 0)), (is_upper ? T{0.5} : T{1}) * mantissa - T{1}};
+    if (mantissa > kSqrt2) return {static_cast<T>(n + 1), T{0.5} * mantissa - T{1}};
+    return {static_cast<T>(n), mantissa - T{1}};
 }
 
 // With s = f / (2 + f): log(1 + f) = 2 s + s R = f - f^2/2 + s (f^2/2 + R), R = s^2 P(s^2).
@@ -72,7 +72,8 @@ T log_of(T x) {
     const T z = square(s);
     const T half_square = T{0.5} * square(f);
     const T small = s * (half_square + z * detail::polynomial(z, C::kLog)) + n * C::kLn2.low;
-    const DoubleWord<T> leading = detail::fast_two_sum(n * C::kLn2.high, f);
+    const DoubleWord<T> leading =
+        n == T{0} ? DoubleWord<T>{f, T{0}} : detail::fast_two_sum(n * C::kLn2.high, f);
     return leading.high + (leading.low + (small - half_square));
 }
 

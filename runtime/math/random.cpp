@@ -35,11 +35,15 @@ std::array<std::uint32_t, 4> philox_4x32_10(std::array<std::uint32_t, 4> counter
     return {c0, c1, c2, c3};
 }
 
-void Random::draw_block() {
-    block_ = philox_4x32_10({low(next_block_), high(next_block_), low(stream_), high(stream_)},
-                            {low(seed_), high(seed_)});
-    ++next_block_;
-    words_left_ = 4;
+std::uint32_t Random::word() {
+    if (words_left_ == 0) {
+        block_ = philox_4x32_10({low(next_block_), high(next_block_), low(stream_), high(stream_)},
+                                {low(seed_), high(seed_)});
+        ++next_block_;
+        words_left_ = 4;
+    }
+    --words_left_;
+    return block_[3 - words_left_];
 }
 
 double Random::uniform_double() {

@@ -66,15 +66,18 @@ SinCos<T> sincos_of(T x) {
     if (in_first_octant(x)) return {sin_kernel<T>({x, T{0}}), cos_kernel<T>({x, T{0}})};
     if (!is_finite(x)) return {canonical_nan<T>(), canonical_nan<T>()};
     const ReducedAngle<T> angle = detail::reduce_angle(x);
-    // Without branches: the quarter cannot be predicted.
-    using Bits = typename FloatFormat<T>::Bits;
-    const auto quarter = static_cast<Bits>(angle.quarter_turns);
-    constexpr int kToSign = sizeof(T) * 8 - 2;  // from bit 1
-    const Bits s = to_bits(sin_kernel(angle.rest));
-    const Bits c = to_bits(cos_kernel(angle.rest));
-    const Bits exchanged = (s ^ c) & (Bits{0} - (quarter & 1U));
-    return {from_bits<T>(s ^ exchanged ^ ((quarter & 2U) << kToSign)),
-            from_bits<T>(c ^ exchanged ^ (((quarter + 1U) & 2U) << kToSign))};
+    const T s = sin_kernel(angle.rest);
+    const T c = cos_kernel(angle.rest);
+    switch (angle.quarter_turns & 3) {
+        case 0:
+            return {s, c};
+        case 1:
+            return {c, -s};
+        case 2:
+            return {-s, -c};
+        default:
+            return {-c, s};
+    }
 }
 
 // As the kernels above, with the last sum not yet rounded.

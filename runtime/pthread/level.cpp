@@ -260,10 +260,10 @@ LevelFacts facts_of_level(unsigned level) {
     return threads[level].has_ended() ? threads[level].facts() : LevelFacts{};
 }
 
-TaskFigures figures_of(unsigned task) {
+TaskCounters figures_of(unsigned task) {
     TaskCounters counters;
     while (!figures[task].read(counters)) sched_yield();
-    return figures_from(counters, [](uint32_t counter) { return counter; });
+    return counters;
 }
 
 const Task* unended_task(unsigned level) {

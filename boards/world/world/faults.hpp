@@ -74,23 +74,8 @@ class Faults {
     // False if there are too many.
     [[nodiscard]] bool add(const Fault& fault);
     // The value of a fault that is there now, the last one that was given; nothing if all is well.
-    // Here, as each step of the world asks for some twenty of them, and most flights have none.
-    std::optional<double> now(FaultKind kind, std::uint64_t time_us) const {
-        std::optional<double> result;
-        for (const Fault& fault : *this) {
-            if (fault.kind == kind && fault.acts(time_us)) result = fault.value;
-        }
-        return result;
-    }
-    std::optional<double> now(std::string_view part, FaultKind kind, std::uint64_t time_us) const {
-        std::optional<double> result;
-        for (const Fault& fault : *this) {
-            if (fault.kind == kind && fault.is_of(part) && fault.acts(time_us)) {
-                result = fault.value;
-            }
-        }
-        return result;
-    }
+    std::optional<double> now(FaultKind kind, std::uint64_t time_us) const;
+    std::optional<double> now(std::string_view part, FaultKind kind, std::uint64_t time_us) const;
 
     const Fault* begin() const { return faults_.data(); }
     const Fault* end() const { return faults_.data() + count_; }

@@ -45,10 +45,9 @@ class Spoiler {
         for (const Fault& fault : world.conditions().faults) is_sound_ &= !fault.is_of(part);
     }
 
-    // Whether it has no faults: then what it measures is what it gives.
-    bool is_sound() const { return is_sound_; }
     // What the device gives now, of what it measured now.
     std::optional<Sample> spoil(std::optional<Sample> measured, const World& world) {
+        if (is_sound_) return measured;
         const Faults& faults = world.conditions().faults;
         const std::uint64_t now_us = world.time_us();
         const auto has = [&](FaultKind kind) { return faults.now(part_, kind, now_us); };

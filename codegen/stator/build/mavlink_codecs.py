@@ -4,6 +4,7 @@ python -m stator.build.mavlink_codecs FOLDER"""
 
 from __future__ import annotations
 
+import itertools
 import sys
 from pathlib import Path
 from typing import Any
@@ -44,13 +45,16 @@ def message_row(message: Any) -> Row:
 
 
 def enum_row(enum: Any) -> Row:
-    """MAV_CMD_NAV_TAKEOFF of MAV_CMD becomes mav_cmd::kNavTakeoff."""
-    entries = []
-    for entry in enum.entry:
-        if entry.end_marker:
-            continue
-        name = entry.name.removeprefix(enum.name).removeprefix("_")
-        entries.append({"name": "k" + upper_camel(name.lower()), "value": entry.value})
+    """MAV_CMD_NAV_TAKEOFF of MAV_CMD becomes mav_cmd::kNavTakeoff. What all entries begin with is
+    the enum's name, or most of it."""
+    found = [entry for entry in enum.entry if not entry.end_marker]
+    words = [(enum.name + "_").split("_"), *(entry.name.split("_") for entry in found)]
+    common = itertools.takewhile(lambda same: len(set(same)) == 1, zip(*words, strict=False))
+    begin = sum(len(word) + 1 for word, *_ in common)
+    entries = [
+        {"name": "k" + upper_camel(entry.name[begin:].lower()), "value": entry.value}
+        for entry in found
+    ]
     return {"name": enum.name.lower(), "entries": entries}
 
 

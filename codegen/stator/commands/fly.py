@@ -135,7 +135,7 @@ def _run(
     command += [*flight_options(arguments), *times, *mavlink_options(arguments)]
     if arguments.speed is not None:
         command += ["--speed", f"{arguments.speed:.6f}"]
-    with memory_of(mission) as memory:
+    with memory_of(mission, is_guided=bool(arguments.mavlink)) as memory:
         if memory is not None:
             command += ["--mission", str(memory), *place_options(mission)]
         if arguments.mavlink:

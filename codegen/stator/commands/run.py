@@ -177,7 +177,8 @@ def main(arguments: argparse.Namespace) -> int:
     memory = nonvolatile_of(arguments, plain)
     name = f"running {arguments.graph.stem} for at most {arguments.duration:g} s (Ctrl-C to end)"
     lines = serial_lines(arguments)
-    with lines, _link_of(arguments) as link, memory_of(mission) as plan_memory:
+    plans = memory_of(mission, is_guided=bool(arguments.mavlink))
+    with lines, _link_of(arguments) as link, plans as plan_memory:
 
         def command_of(duration_s: float) -> list[str]:
             life = argparse.Namespace(**(vars(arguments) | {"duration": duration_s}))

@@ -130,7 +130,6 @@ def _parts(interfaces: list[Interface]) -> dict[str, str]:
             "message.hpp.j2",
             message.mark,
             message=message,
-            floats=rows.log_floats(message),
             fields=rows.fields(message, rows.defaults(interfaces, message)),
         )
     for interface in interfaces:

@@ -34,9 +34,6 @@ START_LEVEL = 0  # of publications before the first task runs
 # A stream holds the records of its level for this time, or for this number of logger periods.
 HELD_US = 50_000
 HELD_PERIODS = 4
-# Where levels are threads: there is memory for more, and without SCHED_FIFO a busy machine may give
-# the logger no time for so long.
-HELD_BY_THREADS_US = 2_000_000
 MIN_STREAM = 256
 # Bytes of the parts of a record; rare records are larger.
 HEAD_BYTES = 8  # task, end, what fired, time since the previous record
@@ -197,8 +194,6 @@ class TaskRecording:
 class StreamRow:
     name: str
     bytes: int
-    most_inputs: int  # of the tasks that write it
-    most_numbers: int
 
 
 @dataclass(frozen=True)
@@ -256,15 +251,8 @@ def port_row(port: Port, age: str = "") -> PortRow:
 
 def recording_row(plan: Plan, file: str) -> RecordingRow:
     sizes = stream_bytes(plan)
-    rows = task_rows(plan).values()
-    streams = []
-    for level, size in sorted(sizes.items()):
-        own = [row for row in rows if row.stream == f"streams::level_{level}"]
-        most_inputs = max(len(row.inputs) for row in own)
-        most_numbers = max(row.more_numbers for row in own)
-        streams.append(StreamRow(f"level_{level}", size, most_inputs, most_numbers))
     return RecordingRow(
-        streams=streams,
+        streams=[StreamRow(f"level_{level}", size) for level, size in sorted(sizes.items())],
         levels=[f"level_{level}" if level in sizes else "none" for level in range(max(sizes) + 1)],
         definitions=definitions(plan, file),
     )
@@ -284,8 +272,7 @@ def stream_bytes(plan: Plan) -> dict[int, int]:
     at_once = at_once_bytes(plan.graph, plan.topics)
     share = min(bytes_per_us * period / at_once, MAX_SHARE)
     start_us = (2 + _definition_bytes(plan) // at_once) * period / (1 - share)
-    least_us = HELD_BY_THREADS_US if plan.board.executor == "pthread" else HELD_US
-    held_us = max(Fraction(least_us), HELD_PERIODS * period, start_us)
+    held_us = max(Fraction(HELD_US), HELD_PERIODS * period, start_us)
     blocks_per_us = bytes_per_us / block_bytes(plan.graph, plan.topics)
     sizes: dict[int, Fraction] = {}
     for task in recorded_tasks(plan):

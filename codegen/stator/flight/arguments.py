@@ -160,9 +160,10 @@ def cut_of(arguments: argparse.Namespace) -> str:
 
 
 @contextlib.contextmanager
-def memory_of(mission: Mission | None) -> Iterator[Path | None]:
-    """The file that is the memory of the mission device during a flight."""
-    if mission is None:
+def memory_of(mission: Mission | None, *, is_guided: bool = False) -> Iterator[Path | None]:
+    """The file that is the memory of the mission device during a flight. `is_guided`: others may
+    put a mission there."""
+    if mission is None and not is_guided:
         yield None
         return
     with tempfile.TemporaryDirectory() as folder:

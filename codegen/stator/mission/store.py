@@ -36,9 +36,11 @@ _NOWHERE = 2**31 - 1  # kNoPlace
 _AREAS = 2  # of each list: the one that counts, and the one that the next list is written into
 
 
-def write(mission: Mission, file: Path) -> None:
-    """The whole memory; what no list uses is a hole in the file."""
-    lists = (list(mission.items), fence_items(mission), rally_items(mission))
+def write(mission: Mission | None, file: Path) -> None:
+    """The whole memory; what no list uses is a hole in the file. None: it is empty."""
+    lists: tuple[list[Item], ...] = ([], [], [])
+    if mission is not None:
+        lists = (list(mission.items), fence_items(mission), rally_items(mission))
     address = _AREAS * _HEAD_BYTES * len(lists)
     with file.open("wb") as out:
         for number, (items, most) in enumerate(zip(lists, _CAPACITY, strict=True)):

@@ -20,7 +20,7 @@ class SerialSocket {
     void step(SerialPorts& ports);
 
   private:
-    static constexpr unsigned kPieces = 3;  // of one activation: the burst of the output
+    static constexpr unsigned kPieces = 2;  // of one activation: the burst of the output
     static constexpr std::size_t kMaxDatagram = 2048;
     static constexpr uint64_t kStatusPeriod_us = 1'000'000;
 

@@ -6,10 +6,6 @@
 #include <cstdint>
 #include <cstring>
 
-#ifdef __x86_64__
-#include "stator/crc32_x86.hpp"
-#endif
-
 namespace stator {
 
 namespace detail {
@@ -36,9 +32,14 @@ constexpr std::array<CrcTable, 4> crc_tables() {
 
 inline constexpr std::array<CrcTable, 4> kCrcTables = crc_tables();
 
-// Inverted before and after.
-inline uint32_t crc32_by_tables(uint32_t crc, const uint8_t* bytes, size_t count) {
-    const auto& tables = kCrcTables;
+}  // namespace detail
+
+// CRC of what `crc` covers and these bytes behind it; 0 covers nothing. Little-endian machines
+// only.
+inline uint32_t crc32(uint32_t crc, const void* data, size_t count) {
+    const auto& tables = detail::kCrcTables;
+    const auto* bytes = static_cast<const uint8_t*>(data);
+    crc = ~crc;
     for (; count >= 4; count -= 4, bytes += 4) {
         uint32_t word = 0;
         std::memcpy(&word, bytes, sizeof word);
@@ -47,23 +48,7 @@ inline uint32_t crc32_by_tables(uint32_t crc, const uint8_t* bytes, size_t count
               tables[1][(word >> 16) & 0xFFU] ^ tables[0][word >> 24];
     }
     for (; count != 0; --count, ++bytes) crc = (crc >> 8) ^ tables[0][(crc ^ *bytes) & 0xFFU];
-    return crc;
-}
-
-}  // namespace detail
-
-// CRC of what `crc` covers and these bytes behind it; 0 covers nothing. Little-endian machines
-// only.
-inline uint32_t crc32(uint32_t crc, const void* data, size_t count) {
-    const auto* bytes = static_cast<const uint8_t*>(data);
-    crc = ~crc;
-#ifdef __x86_64__
-    if (count >= detail::kMinFolded && detail::can_fold_crc()) {
-        const auto folded = detail::fold_crc(crc, bytes, count);
-        crc = detail::crc32_by_tables(0, folded.data(), folded.size());
-    }
-#endif
-    return ~detail::crc32_by_tables(crc, bytes, count);
+    return ~crc;
 }
 
 // The same of these bytes alone, bit by bit: for what is rare, in images that have no room for the

@@ -9,17 +9,15 @@
 
 namespace stator {
 
-// `count`: a multiple of 8, as of every message. Little-endian machines only.
+// `count`: a multiple of 4, as of every message. Little-endian machines only.
 inline uint32_t sample_hash(const void* sample, size_t count) {
     const auto* bytes = static_cast<const std::byte*>(sample);
     uint32_t hash = 0;
-    for (const std::byte* end = bytes + count; bytes != end;) {
-        for (unsigned i = 0; i < 2; ++i, bytes += sizeof(uint32_t)) {
-            uint32_t word = 0;
-            std::memcpy(&word, bytes, sizeof word);
-            hash = (hash ^ word) * 0x9E3779B1U;  // odd, bits spread: 2^32 by the golden ratio
-            hash ^= hash >> 15;
-        }
+    for (const std::byte* end = bytes + count; bytes != end; bytes += sizeof(uint32_t)) {
+        uint32_t word = 0;
+        std::memcpy(&word, bytes, sizeof word);
+        hash = (hash ^ word) * 0x9E3779B1U;  // odd, with its bits spread: 2^32 by the golden ratio
+        hash ^= hash >> 15;
     }
     return hash;
 }

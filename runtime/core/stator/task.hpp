@@ -110,42 +110,16 @@ constexpr uint64_t later(uint64_t a, uint64_t b) {
     return a < b ? b : a;
 }
 
-// What there is to tell of a task, for `top`, the report and the proof's watch.
-struct TaskFigures {
-    uint32_t activations = 0;   // modulo 2^32; the monitor reads it at any time
+// Counts for `top`, the report and the proof's watch; modulo 2^32.
+struct TaskCounters {
+    uint32_t activations = 0;   // the monitor reads it at any time
     uint32_t lost_samples = 0;  // missed by inputs, refused to outputs
-    // In ticks of the executor's clock, without what interrupted the task:
+    // Where the executor measures. In ticks of its clock, without what interrupted the task:
     uint32_t ticks = 0;  // the sum, modulo 2^32
     uint32_t last_ticks = 0;
     uint32_t most_ticks = 0;
     uint32_t latest_us = 0;  // longest from `now` to the end
 };
-
-// What a task keeps of these. The two have names of their own, so that parts of an image that
-// disagree about STATOR_COUNTERS do not link.
-struct UntimedCounters {
-    uint32_t activations = 0;
-    uint32_t lost_samples = 0;
-};
-#ifdef STATOR_COUNTERS
-using TaskCounters = TaskFigures;
-#else
-using TaskCounters = UntimedCounters;
-#endif
-
-// Times that are not measured are 0. `load` reads one counter.
-template <class Counters, class Load>
-TaskFigures figures_from(const Counters& counters, Load load) {
-    TaskFigures figures{.activations = load(counters.activations),
-                        .lost_samples = load(counters.lost_samples)};
-    if constexpr (requires { counters.ticks; }) {
-        figures.ticks = load(counters.ticks);
-        figures.last_ticks = load(counters.last_ticks);
-        figures.most_ticks = load(counters.most_ticks);
-        figures.latest_us = load(counters.latest_us);
-    }
-    return figures;
-}
 
 // Publications that were refused, as they exceeded the `burst` of their output; of all tasks.
 struct RefusedPublications {

@@ -79,7 +79,7 @@ void put_info(Writer& out, const Program& graph, const TickSource& ticks, uint64
     out.text(graph.board);
 }
 
-static_assert(sizeof(TaskFigures) == 6 * sizeof(uint32_t));  // as the answer tells them
+static_assert(sizeof(TaskCounters) == 6 * sizeof(uint32_t));  // as the answer tells them
 
 inline uint32_t missed_life_signs_of(unsigned task, const Watched* rows, unsigned count) {
     for (unsigned i = 0; i < count; ++i) {
@@ -90,19 +90,25 @@ inline uint32_t missed_life_signs_of(unsigned task, const Watched* rows, unsigne
 
 // What a task has counted, as it was between two activations. For a reader below all tasks of one
 // core: a task that comes in between has ended when the reader goes on, and is seen by its count.
-// After so many tries, the last copy counts, which may be of two activations.
-template <class Counters, class Load>
-TaskFigures figures_below_tasks(const Counters& counters, Load load) {
+// `load` reads one counter. After so many tries, the last copy counts, which may be of two
+// activations.
+template <class Load>
+TaskCounters figures_below_tasks(const TaskCounters& counters, Load load) {
     constexpr unsigned kMaxTries = 8;
-    TaskFigures copy;
+    TaskCounters copy;
     for (unsigned i = 0; i < kMaxTries; ++i) {
-        copy = figures_from(counters, load);
+        copy = {.activations = load(counters.activations),
+                .lost_samples = load(counters.lost_samples),
+                .ticks = load(counters.ticks),
+                .last_ticks = load(counters.last_ticks),
+                .most_ticks = load(counters.most_ticks),
+                .latest_us = load(counters.latest_us)};
         if (load(counters.activations) == copy.activations) break;
     }
     return copy;
 }
 
-// `figures_of`: from a task's index to its figures between two activations.
+// `figures_of`: from a task's index to its counters between two activations.
 template <class Program, class FiguresOf>
 void put_tasks(Writer& out, const Program& graph, uint64_t now_us, unsigned first,
                FiguresOf figures_of) {

@@ -27,11 +27,7 @@ class Random {
     Random split(std::uint64_t stream) const { return Random(seed_, stream); }
 
     // 32 uniform bits; a block gives four times.
-    std::uint32_t word() {
-        if (words_left_ == 0) draw_block();
-        --words_left_;
-        return block_[3 - words_left_];
-    }
+    std::uint32_t word();
 
     // In [0, 1): float is 24 bits of one word, double is 53 bits of two.
     float uniform_float() { return static_cast<float>(word() >> 8) * 0x1p-24F; }
@@ -43,8 +39,6 @@ class Random {
     double gaussian_double();
 
   private:
-    void draw_block();
-
     std::uint64_t seed_;
     std::uint64_t stream_;
     std::uint64_t next_block_ = 0;

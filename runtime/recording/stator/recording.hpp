@@ -29,7 +29,7 @@ inline constexpr auto kDone = std::memory_order_relaxed;
 // What a level records. One producer: the job of this level that runs. One consumer: the logger.
 class RecordStream {
   public:
-    // `size`: a power of two. Behind these bytes there are as many more as the largest part has.
+    // `size`: a power of two.
     constexpr RecordStream(uint8_t* bytes, uint32_t size) : bytes_(bytes), mask_(size - 1) {}
     RecordStream(const RecordStream&) = delete;
     RecordStream& operator=(const RecordStream&) = delete;
@@ -37,29 +37,19 @@ class RecordStream {
     // --- for the wrapper of a task: one record, from `begin` to `end` ---
 
     // Where a part of a record is written, in registers until it is complete. The caller has asked
-    // for room for the most that it can be. It may run on behind the stream's end, which is seldom:
-    // then what is there is copied to the beginning.
+    // for room for the most that it can be.
     class Part {
       public:
         [[gnu::always_inline]] explicit Part(RecordStream& stream)
             : stream_(stream),
-              begin_(stream.bytes_ + (stream.position_ & stream.mask_)),
-              at_(begin_) {}
+              bytes_(stream.bytes_),
+              mask_(stream.mask_),
+              position_(stream.position_) {}
         Part(const Part&) = delete;
         Part& operator=(const Part&) = delete;
-        [[gnu::always_inline]] ~Part() {
-            stream_.position_ += static_cast<uint32_t>(at_ - begin_);
-            const auto end = static_cast<uint32_t>(at_ - stream_.bytes_);
-            if (end > stream_.mask_) [[unlikely]] {
-                stream_.go_round(end);
-            }
-        }
+        [[gnu::always_inline]] ~Part() { stream_.position_ = position_; }
 
-        [[gnu::always_inline]] void byte(uint8_t value) { *at_++ = value; }
-        [[gnu::always_inline]] void word(uint32_t value) {  // of a little-endian machine
-            std::memcpy(at_, &value, sizeof value);
-            at_ += sizeof value;
-        }
+        [[gnu::always_inline]] void byte(uint8_t value) { bytes_[position_++ & mask_] = value; }
         // Seven bits a byte, the lowest first; the top bit says that more follow.
         [[gnu::always_inline]] void number(uint32_t value) {
             for (; value > 0x7F; value >>= 7) byte(static_cast<uint8_t>(value | 0x80U));
@@ -74,6 +64,17 @@ class RecordStream {
             byte(tag);
             number(further);
         }
+        void bytes(const void* from, uint32_t count) {
+            const uint32_t begin = position_ & mask_;
+            const uint32_t room = mask_ + 1 - begin;
+            position_ += count;
+            if (count <= room) {
+                std::memcpy(bytes_ + begin, from, count);
+                return;
+            }
+            std::memcpy(bytes_ + begin, from, room);
+            std::memcpy(bytes_, static_cast<const uint8_t*>(from) + room, count - room);
+        }
         // Behind what was taken and published: how the activation came about. `previous_us`: of
         // the same task, brought up to date.
         [[gnu::always_inline]] void conclude(uint64_t fired, uint64_t now_us,
@@ -87,29 +88,21 @@ class RecordStream {
 
       private:
         RecordStream& stream_;
-        uint8_t* const begin_;
-        uint8_t* at_;
+        uint8_t* bytes_;
+        uint32_t mask_;
+        uint32_t position_;
     };
 
     // The most bytes of a part.
     static constexpr uint32_t kNumberBytes = 5;
     static constexpr uint32_t kTakeBytes = 1 + kNumberBytes;
     static constexpr uint32_t kConcludeBytes = 1 + 2 * 10;
-    // Of what is written behind the step: what the inputs took, the conclusion, further numbers.
-    static constexpr uint32_t last_part_bytes(uint32_t inputs, uint32_t numbers = 0) {
-        return inputs * kTakeBytes + kConcludeBytes + numbers * kNumberBytes;
-    }
 
     // A record that is begun and not ended leaves no trace. It may stand before `step`, so it asks
     // nothing: `has_room` has left room for it.
     [[gnu::always_inline]] void begin(uint32_t task) {
-        const uint32_t position = written_.load(std::memory_order_relaxed);
-        if (task > 0x7F) {
-            position_ = position;
-            return Part(*this).number(task);
-        }
-        bytes_[position & mask_] = static_cast<uint8_t>(task);
-        position_ = position + 1;
+        position_ = written_.load(std::memory_order_relaxed);
+        Part(*this).number(task);
     }
     // False, and the record will be lost, if it may need more than there is; so are all after it.
     // Keeps room for the next record's beginning.
@@ -118,24 +111,6 @@ class RecordStream {
         std::atomic_signal_fence(std::memory_order_seq_cst);
         is_full_ = is_full_ || mask_ + 1 - used < count + kNumberBytes;
         return !is_full_;
-    }
-    // Behind a part: whole words for which there is room. They rarely lie at a word's address here,
-    // where the C library of Arm copies byte by byte.
-    [[gnu::always_inline]] void append(const void* from, uint32_t count) {
-        const uint32_t begin = position_ & mask_;
-        const uint32_t room = mask_ + 1 - begin;
-        position_ += count;
-        if (count > room) [[unlikely]] {
-            return append_round(from, count, room);
-        }
-        const auto* bytes = static_cast<const uint8_t*>(from);
-        uint8_t* at = bytes_ + begin;
-        for (const uint8_t* end = bytes + count; bytes != end; bytes += 4, at += 4) {
-            uint32_t word = 0;
-            std::memcpy(&word, bytes, sizeof word);
-            asm("" : "+r"(word));  // not to be turned into a call of `memcpy`
-            std::memcpy(at, &word, sizeof word);
-        }
     }
     [[gnu::noinline]] void take(uint8_t tag, uint32_t further) {
         if (has_room(kTakeBytes)) Part(*this).take(tag, further);
@@ -153,16 +128,16 @@ class RecordStream {
         lost_.store(lost + 1, kDone);
     }
 
-    // Around `step`: whether another job was in its node when this one came. `leave` gets what
-    // `enter` returned.
-    static uint32_t enter() {
-        const uint32_t outer = is_inside.load(std::memory_order_relaxed);
-        is_inside.store(1, std::memory_order_relaxed);
+    // Around `step`: who is in its node, and how often another job came in between. `leave` gets
+    // what `enter` returned.
+    RecordStream* enter() {
+        RecordStream* const outer = inside.load(std::memory_order_relaxed);
+        inside.store(this, std::memory_order_relaxed);
         return outer;
     }
-    void leave(uint32_t outer) {
-        is_inside.store(outer, std::memory_order_relaxed);
-        preemptions_ += outer;
+    void leave(RecordStream* outer) {
+        inside.store(outer, std::memory_order_relaxed);
+        preemptions_ += outer != nullptr ? 1U : 0U;
     }
 
     // --- for the logger ---
@@ -187,21 +162,12 @@ class RecordStream {
     uint32_t preemptions() const { return preemptions_; }
 
   private:
-    [[gnu::cold, gnu::noinline]] void append_round(const void* from, uint32_t count,
-                                                   uint32_t room) {
-        std::memcpy(bytes_ + mask_ + 1 - room, from, room);
-        std::memcpy(bytes_, static_cast<const uint8_t*>(from) + room, count - room);
-    }
-    [[gnu::cold, gnu::noinline]] void go_round(uint32_t end) {
-        std::memcpy(bytes_, bytes_ + mask_ + 1, end - mask_ - 1);
-    }
-
-    // 1 if a job is in its node now, over all levels of the machine. Where levels are threads, none
-    // interrupts another one inside the program.
+    // The stream of the innermost job that is in its node now, over all levels of the machine.
+    // Where levels are threads, none interrupts another one inside the program.
 #ifdef __linux__
-    static inline thread_local std::atomic<uint32_t> is_inside{0};
+    static inline thread_local std::atomic<RecordStream*> inside{nullptr};
 #else
-    static inline std::atomic<uint32_t> is_inside{0};
+    static inline std::atomic<RecordStream*> inside{nullptr};
 #endif
 
     uint8_t* bytes_;
@@ -223,9 +189,8 @@ struct RecordedOutput {
     };
     uint8_t tag;
     How how;
-    // Of a sample whose type the port does not know.
-    const FloatRun* floats = nullptr;
-    uint16_t float_count = 0;
+    const FloatRun* floats;
+    uint16_t float_count;
 };
 
 // One for each level, and one for what is published before anything runs.

@@ -160,25 +160,78 @@ class MavlinkTest : public ::testing::Test {
                            .battery = Input(battery_),
                            .sticks = Input(sticks_),
                            .fence = Input(fence_),
-                           .mission = Input(mission_),
+                           .mission = Input(mission_, is_mission_new_),
                            .result = Input(result_),
                            .ack = ack_ ? Input(*ack_) : Input<VehicleCommandAck>(),
+                           .downloaded = item_ ? Input(*item_) : Input<MissionItem>(),
                            .params = Input(params_, is_first_)};
         Everything<SerialBytes> first(ports.send1, now_us_, Link::kPieces);
         Everything<SerialBytes> second(ports.send2, now_us_, Link::kPieces);
         Everything<VehicleCommand> commands(ports.command, now_us_, 1);
+        Everything<MissionUpload> uploads(ports.upload, now_us_, 4);
+        Everything<MissionRequest> downloads(ports.download, now_us_, 1);
         node_.step(ports);
         is_first_ = false;
         ack_.reset();
+        item_.reset();
+        is_mission_new_ = false;
+        EXPECT_EQ(ports.upload.refused() + ports.download.refused(), 0);
         EXPECT_EQ(ports.send1.refused() + ports.send2.refused() + ports.command.refused(), 0);
         hear(stations_[0], first.all());
         hear(stations_[1], second.all());
+        keep(uploads.all());
+        for (const MissionRequest& wanted : downloads.all()) answer(wanted);
         for (const VehicleCommand& command : commands.all()) {
             commands_.push_back(command);
             if (answers_)
                 ack_ = VehicleCommandAck{.tag = command.tag, .result = result_of_commands_};
         }
     }
+    // As the mission device does, at once.
+    void keep(const std::vector<MissionUpload>& parts) {
+        for (const MissionUpload& part : parts) {
+            const auto list = static_cast<unsigned>(part.list);
+            if (part.action == MissionUpload::Action::kBegin) {
+                new_items_.clear();
+                expected_ = part.count;
+            } else if (part.action == MissionUpload::Action::kItems) {
+                EXPECT_EQ(part.first, new_items_.size());
+                new_items_.push_back({.index = part.first,
+                                      .list = static_cast<MissionItem::List>(part.list),
+                                      .frame = part.frame[0],
+                                      .command = part.command[0],
+                                      .autocontinue = part.autocontinue[0],
+                                      .param1 = part.param1[0],
+                                      .param2 = part.param2[0],
+                                      .param3 = part.param3[0],
+                                      .param4 = part.param4[0],
+                                      .x = part.x[0],
+                                      .y = part.y[0],
+                                      .z = part.z[0]});
+            } else {
+                is_mission_new_ = true;
+                if (new_items_.size() != expected_ || device_is_broken_) {
+                    ++mission_.refused;
+                    continue;
+                }
+                lists_[list] = new_items_;
+                const uint32_t id = lists_[list].empty() ? 0 : ++ids_;
+                const auto count = static_cast<uint16_t>(lists_[list].size());
+                if (list == 0) mission_.mission_id = id, mission_.count = count;
+                if (list == 1) mission_.geofence_id = id, mission_.geofence_count = count;
+                if (list == 2) mission_.safe_points_id = id, mission_.safe_points_count = count;
+            }
+        }
+    }
+    void answer(const MissionRequest& wanted) {
+        const auto list = static_cast<unsigned>(wanted.list);
+        ++device_reads_;
+        if (wanted.first >= lists_[list].size()) return;
+        item_ = lists_[list][wanted.first];
+        const std::array ids{mission_.mission_id, mission_.geofence_id, mission_.safe_points_id};
+        item_->id = ids.at(list);
+    }
+
     void run(double seconds) {
         const auto steps = static_cast<unsigned>(seconds * 1e6) / kPeriod_us;
         for (unsigned i = 0; i < steps; ++i) step();
@@ -229,12 +282,20 @@ class MavlinkTest : public ::testing::Test {
     ManualControlSetpoint sticks_{};
     GeofenceResult fence_{};
     Mission mission_{};
-    MissionResult result_{};
+    MissionResult result_{.seq_reached = -1};
     MavlinkParams params_{};
     std::optional<VehicleCommandAck> ack_;
     bool answers_ = true;  // to commands
     VehicleCommandAck::Result result_of_commands_ = VehicleCommandAck::Result::kAccepted;
     std::vector<VehicleCommand> commands_;
+    std::array<std::vector<MissionItem>, 3> lists_;  // of the mission device
+    std::vector<MissionItem> new_items_;
+    std::size_t expected_ = 0;
+    uint32_t ids_ = 100;
+    unsigned device_reads_ = 0;
+    bool device_is_broken_ = false;
+    bool is_mission_new_ = true;
+    std::optional<MissionItem> item_;
     bool is_first_ = true;
     uint64_t now_us_ = 0;
     Mavlink node_;

@@ -26,7 +26,7 @@ def test_a_device_is_declared_and_defined_with_its_lines() -> None:
 def test_the_world_feeds_what_has_a_part_in_it() -> None:
     files = generated("tests/boards/world/graphs/new_sensor.yaml")
     assert (
-        "keep(range0_.measure(world), range0_faults_, world, samples.range0);"
+        "keep(range0_faults_.spoil(range0_.measure(world), world), samples.range0);"
         in files["sensors.hpp"]
     )
     assert "give(range0, samples.range0.sample, range0_data_ready);" in files["hand_over.hpp"]

@@ -140,5 +140,24 @@ TEST_F(Driver, a_lost_memory_is_told_and_comes_back) {
     EXPECT_EQ(mission.count, 4);
 }
 
+TEST_F(Driver, reads_out_the_wanted_item_and_the_next) {
+    while (!was_told) step();
+    upload(5);
+    send(Action::kCommit, 0, 0);
+    const MissionRequest wanted{.first = 3, .list = MissionRequest::List::kMission};
+    for (const uint16_t first : {uint16_t{3}, uint16_t{4}, uint16_t{5}}) {
+        MissionRequest one = wanted;
+        one.first = first;
+        MissionPorts ports{.now = 1000, .download = Input(one)};
+        stator::testing::Probe read(ports.downloaded, ports.now);
+        driver->step(ports);
+        EXPECT_EQ(read.count(), first == 3 ? 2U : 5U - first);
+        if (first == 5) continue;
+        EXPECT_EQ(read.newest().index, 4);
+        EXPECT_EQ(read.newest().x, 4);
+        EXPECT_EQ(read.newest().id, mission.mission_id);
+    }
+}
+
 }  // namespace
 }  // namespace stator::drivers::mission

@@ -56,6 +56,10 @@ def flying(log: Path, *options: str) -> Iterator[dict[str, Any]]:
     result |= json.loads(output)
 
 
+# Frame, command, four parameters, x, y, z.
+Item = tuple[int, int, float, float, float, float, int, int, float]
+
+
 class Station:
     """A ground station."""
 
@@ -69,7 +73,7 @@ class Station:
     def close(self) -> None:
         self.link.close()
 
-    def wait(self, kind: str, wanted: Callable[[Any], bool] = lambda _: True) -> Any:
+    def wait(self, kind: str | list[str], wanted: Callable[[Any], bool] = lambda _: True) -> Any:
         until = time.monotonic() + HANGS_S
         while time.monotonic() < until:
             message = self.link.recv_match(type=kind, blocking=True, timeout=0.2)
@@ -118,3 +122,26 @@ class Station:
         self.wait_armed(True)
         self.accept(mavlink.MAV_CMD_NAV_TAKEOFF, NAN, 0, 0, NAN, NAN, NAN, NAN)
         self.wait("GLOBAL_POSITION_INT", lambda p: p.relative_alt > 4500)
+
+    def upload(self, items: list[Item], kind: int = 0) -> Any:
+        """The MISSION_ACK."""
+        mav = self.link.mav
+        mav.mission_count_send(1, 1, len(items), kind)
+        while True:
+            asked = self.wait(["MISSION_REQUEST_INT", "MISSION_ACK"])
+            if asked.get_type() == "MISSION_ACK":
+                return asked
+            item = items[asked.seq]
+            mav.mission_item_int_send(
+                1, 1, asked.seq, item[0], item[1], asked.seq == 0, 1, *item[2:], kind
+            )
+
+    def download(self, kind: int = 0) -> list[Any]:
+        self.link.mav.mission_request_list_send(1, 1, kind)
+        count = self.wait("MISSION_COUNT").count
+        items = []
+        for i in range(count):
+            self.link.mav.mission_request_int_send(1, 1, i, kind)
+            items.append(self.wait("MISSION_ITEM_INT", lambda item, i=i: item.seq == i))
+        self.link.mav.mission_ack_send(1, 1, mavlink.MAV_MISSION_ACCEPTED, kind)
+        return items

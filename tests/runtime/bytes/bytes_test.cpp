@@ -19,28 +19,10 @@ TEST(crc32, has_the_published_check_value) {
     EXPECT_EQ(crc32_bitwise("123456789", 9), 0xCBF43926U);
 }
 
-// Long ones are folded where the processor can multiply without carries, from any place.
-TEST(crc32, is_the_same_by_every_way) {
-    std::array<uint8_t, 400> bytes{};
-    uint32_t state = 1;
-    for (uint8_t& byte : bytes)
-        byte = static_cast<uint8_t>((state = state * 1664525 + 1013904223) >> 24);
-    for (size_t count = 0; count <= bytes.size(); ++count) {
-        const uint32_t expected = crc32_bitwise(bytes.data(), count);
-        EXPECT_EQ(crc32(0, bytes.data(), count), expected) << count;
-        const size_t first = count / 3;
-        const uint32_t before = crc32(0, bytes.data(), first);
-        EXPECT_EQ(crc32(before, bytes.data() + first, count - first), expected) << count;
-        const uint32_t by_tables = detail::crc32_by_tables(~0U, bytes.data(), count);
-        EXPECT_EQ(~by_tables, expected) << count;
-    }
-}
-
 TEST(sample_hash, differs_for_samples_that_differ) {
-    // (0 ^ 1) * 0x9E3779B1, exclusive or its upper 17 bits; and that is exactly the second word.
-    constexpr uint32_t kOfOne = 0x9E3779B1U ^ (0x9E3779B1U >> 15);
-    EXPECT_EQ(sample_hash(std::array<uint32_t, 2>{1, kOfOne}.data(), 8), 0U);
-    EXPECT_EQ(sample_hash(std::array<uint32_t, 2>{1, kOfOne ^ 1U}.data(), 8), kOfOne);
+    // (0 ^ 1) * 0x9E3779B1, exclusive or its upper 17 bits.
+    const std::array<uint32_t, 1> one{1};
+    EXPECT_EQ(sample_hash(one.data(), 4), 0x9E3779B1U ^ (0x9E3779B1U >> 15));
     std::array<uint32_t, 8> sample{};
     std::set<uint32_t> hashes{sample_hash(sample.data(), sizeof sample)};
     for (uint32_t& word : sample) {

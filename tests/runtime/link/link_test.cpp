@@ -122,10 +122,10 @@ TEST(Link, answers_each_request_in_turn_however_slowly_bytes_leave) {
 // A program of more tasks than an answer has room for; one of them is watched.
 struct ManyTasks {
     struct Task {
-        TaskFigures* counters;
+        TaskCounters* counters;
     };
     static constexpr unsigned kCount = 45;
-    std::array<TaskFigures, kCount> counters{};
+    std::array<TaskCounters, kCount> counters{};
     std::array<Task, kCount> rows{};
     WatchState watch{.missed = 9};
     Watched watched_row{"task", 41, nullptr, &watch, 1000, nullptr};
@@ -166,9 +166,9 @@ TEST(Answers, bring_every_task_in_as_many_answers_as_it_takes) {
 // A task that comes between two loads, and counts to its end before the reader goes on.
 TEST(Answers, tell_figures_of_one_activation) {
     for (unsigned comes_at = 1; comes_at <= 7; ++comes_at) {
-        TaskFigures counters{1, 1, 1, 1, 1, 1};
+        TaskCounters counters{1, 1, 1, 1, 1, 1};
         unsigned loads = 0;
-        const TaskFigures told = figures_below_tasks(counters, [&](const uint32_t& counter) {
+        const TaskCounters told = figures_below_tasks(counters, [&](const uint32_t& counter) {
             if (++loads == comes_at) counters = {2, 2, 2, 2, 2, 2};
             return counter;
         });
@@ -179,18 +179,9 @@ TEST(Answers, tell_figures_of_one_activation) {
     }
 }
 
-TEST(Answers, tell_times_of_zero_where_none_are_measured) {
-    const UntimedCounters counters{7, 2};
-    const TaskFigures told =
-        figures_below_tasks(counters, [](const uint32_t& counter) { return counter; });
-    EXPECT_EQ(told.activations, 7U);
-    EXPECT_EQ(told.lost_samples, 2U);
-    EXPECT_EQ(told.ticks + told.last_ticks + told.most_ticks + told.latest_us, 0U);
-}
-
 TEST(Answers, come_to_an_end_however_often_a_task_comes_in_between) {
-    TaskFigures counters;
-    const TaskFigures told = figures_below_tasks(counters, [&](const uint32_t& counter) {
+    TaskCounters counters;
+    const TaskCounters told = figures_below_tasks(counters, [&](const uint32_t& counter) {
         counters.activations += 1;
         return counter;
     });

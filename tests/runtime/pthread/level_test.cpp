@@ -85,7 +85,7 @@ TEST(FiguresTest, a_reader_never_sees_two_activations) {
         for (uint32_t i = 1; i <= 300'000; ++i) figures.keep({i, i, i, i, i, i});
     });
     unsigned torn = 0;
-    for (TaskFigures seen; seen.activations != 300'000;) {
+    for (TaskCounters seen; seen.activations != 300'000;) {
         if (!figures.read(seen)) continue;
         const uint32_t count = seen.activations;
         torn += seen.lost_samples != count || seen.ticks != count || seen.last_ticks != count ||

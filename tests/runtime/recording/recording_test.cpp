@@ -9,8 +9,6 @@
 namespace stator {
 namespace {
 
-constexpr size_t kPart = 64;  // behind the bytes of each stream
-
 // What the logger would find in the stream.
 std::vector<uint8_t> drain(RecordStream& stream) {
     std::vector<uint8_t> bytes;
@@ -23,8 +21,8 @@ std::vector<uint8_t> drain(RecordStream& stream) {
 }
 
 TEST(record_stream, writes_numbers_of_seven_bits_a_byte) {
-    std::array<uint8_t, 64 + kPart> bytes{};
-    RecordStream stream(bytes.data(), bytes.size() - kPart);
+    std::array<uint8_t, 64> bytes{};
+    RecordStream stream(bytes.data(), bytes.size());
     uint64_t previous_us = 1'000;
     stream.begin(3);
     stream.number(1);
@@ -40,18 +38,18 @@ TEST(record_stream, writes_numbers_of_seven_bits_a_byte) {
 }
 
 TEST(record_stream, writes_what_a_port_took_and_published) {
-    std::array<uint8_t, 64 + kPart> bytes{};
-    RecordStream stream(bytes.data(), bytes.size() - kPart);
+    std::array<uint8_t, 64> bytes{};
+    RecordStream stream(bytes.data(), bytes.size());
     stream.begin(3);
     stream.take(1, 200);
-    stream.append("\x02\x07\x03\x04", 4);
+    RecordStream::Part(stream).bytes("\x02\x07", 2);
     stream.end();
-    EXPECT_EQ(drain(stream), (std::vector<uint8_t>{3, 1, 0xC8, 1, 2, 7, 3, 4}));
+    EXPECT_EQ(drain(stream), (std::vector<uint8_t>{3, 1, 0xC8, 1, 2, 7}));
 }
 
 TEST(record_stream, a_record_that_is_not_ended_leaves_no_trace) {
-    std::array<uint8_t, 64 + kPart> bytes{};
-    RecordStream stream(bytes.data(), bytes.size() - kPart);
+    std::array<uint8_t, 64> bytes{};
+    RecordStream stream(bytes.data(), bytes.size());
     stream.begin(1);
     stream.number(9);
     stream.begin(2);
@@ -60,27 +58,27 @@ TEST(record_stream, a_record_that_is_not_ended_leaves_no_trace) {
 }
 
 TEST(record_stream, goes_round_its_memory_without_a_seam) {
-    std::array<uint8_t, 32 + kPart> bytes{};
-    RecordStream stream(bytes.data(), bytes.size() - kPart);
+    std::array<uint8_t, 32> bytes{};
+    RecordStream stream(bytes.data(), bytes.size());
     for (uint8_t i = 0; i < 100; ++i) {
-        const std::array<uint8_t, 8> content{2, 3, 4, 5, 6, 7, 8, 9};
+        const std::array<uint8_t, 5> content{2, 3, 4, 5, 6};
         stream.begin(1);
         stream.take(i, 1);
-        stream.append(content.data(), content.size());
+        RecordStream::Part(stream).bytes(content.data(), content.size());
         stream.end();
-        EXPECT_EQ(drain(stream), (std::vector<uint8_t>{1, i, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
+        EXPECT_EQ(drain(stream), (std::vector<uint8_t>{1, i, 1, 2, 3, 4, 5, 6}));
     }
     EXPECT_EQ(stream.lost(), 0U);
 }
 
 TEST(record_stream, counts_what_finds_no_room_and_stays_silent_from_there_on) {
-    std::array<uint8_t, 32 + kPart> bytes{};
-    RecordStream stream(bytes.data(), bytes.size() - kPart);
+    std::array<uint8_t, 32> bytes{};
+    RecordStream stream(bytes.data(), bytes.size());
     const std::array<uint8_t, 12> content{};
     const auto record = [&] {
         stream.begin(1);
         if (stream.has_room(content.size())) {
-            stream.append(content.data(), content.size());
+            RecordStream::Part(stream).bytes(content.data(), content.size());
         }
         stream.end();
     };
@@ -96,15 +94,15 @@ TEST(record_stream, counts_what_finds_no_room_and_stays_silent_from_there_on) {
 }
 
 TEST(record_stream, counts_who_comes_in_while_another_one_is_in_its_node) {
-    std::array<uint8_t, 32 + kPart> bytes{};
-    RecordStream low(bytes.data(), bytes.size() - kPart);
-    RecordStream high(bytes.data(), bytes.size() - kPart);
-    high.leave(RecordStream::enter());
-    const uint32_t outside = RecordStream::enter();
-    high.leave(RecordStream::enter());
-    high.leave(RecordStream::enter());
+    std::array<uint8_t, 32> bytes{};
+    RecordStream low(bytes.data(), bytes.size());
+    RecordStream high(bytes.data(), bytes.size());
+    high.leave(high.enter());
+    RecordStream* const outside = low.enter();
+    high.leave(high.enter());
+    high.leave(high.enter());
     low.leave(outside);
-    high.leave(RecordStream::enter());
+    high.leave(high.enter());
     EXPECT_EQ(low.preemptions(), 0U);
     EXPECT_EQ(high.preemptions(), 2U);
 }

@@ -10,8 +10,6 @@ struct Measured {
     uint64_t timestamp;
     float value;
     uint32_t _padding0;
-
-    static constexpr uint16_t kFloatRuns[][3] = {{8, 1, 4}};
 };
 
 class RecordedTopic : public testing::TopicTest {};
@@ -31,9 +29,10 @@ TEST_F(RecordedTopic, a_more_urgent_reader_gets_the_canonical_nan) {
         seen = std::bit_cast<uint32_t>(input->value);
     };
     testing::jobs[1] = [&] {
-        std::array<uint8_t, 128> bytes{};
-        RecordStream stream(bytes.data(), bytes.size() / 2);
-        const RecordedOutput recorded{1, RecordedOutput::How::kHash};
+        std::array<uint8_t, 64> bytes{};
+        RecordStream stream(bytes.data(), bytes.size());
+        constexpr FloatRun kFloats[] = {{offsetof(Measured, value), 1, sizeof(float)}};
+        const RecordedOutput recorded{1, RecordedOutput::How::kHash, kFloats, 1};
         uint32_t number = 0;
         Output<Measured> output;
         output.tap().connect(stream, recorded, number);

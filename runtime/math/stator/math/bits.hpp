@@ -82,14 +82,9 @@ constexpr T canonical(T x) {
     return is_nan(x) ? canonical_nan<T>() : x;
 }
 
-// Clears the sign, also of a NaN. By the compiler's own function, as it knows the instruction.
 template <std::floating_point T>
 constexpr T abs(T x) {
-    if constexpr (sizeof(T) == sizeof(float)) {
-        return __builtin_fabsf(x);
-    } else {
-        return __builtin_fabs(x);
-    }
+    return from_bits<T>(to_bits(x) & ~FloatFormat<T>::kSignBit);
 }
 
 template <std::floating_point T>

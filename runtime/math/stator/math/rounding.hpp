@@ -44,12 +44,11 @@ inline T ceil(T x) {
     return whole < x ? copysign(whole + T{1}, x) : whole;
 }
 
-// To the nearest whole number, halves away from zero. Without a branch: which way a number
-// is rounded cannot be predicted.
+// To the nearest whole number, halves away from zero.
 template <std::floating_point T>
 inline T round(T x) {
     const T whole = trunc(x);
-    return whole + copysign(abs(x - whole) >= T{0.5} ? T{1} : T{0}, x);
+    return abs(x - whole) >= T{0.5} ? whole + copysign(T{1}, x) : whole;
 }
 
 }  // namespace stator::math

@@ -13,13 +13,8 @@ namespace stator {
 
 inline constexpr bool kRecords = true;
 
-// Of a message with a NaN that the processor has made, which is rare.
-template <class Message>
-[[gnu::cold, gnu::noinline]] void make_canonical(Message* message) {
-    for (const auto& [offset, count, bytes] : Message::kFloatRuns) {
-        const FloatRun run{offset, count, static_cast<uint8_t>(bytes)};
-        canonicalise(reinterpret_cast<std::byte*>(message), &run, 1);
-    }
+[[gnu::noinline]] inline void make_canonical(const RecordedOutput& output, void* sample) {
+    canonicalise(static_cast<std::byte*>(sample), output.floats, output.float_count);
 }
 
 // A sample that was published, with its hash, and its number less that of the one before.
@@ -28,21 +23,16 @@ template <class Message>
     if (!stream.has_room(RecordStream::kTakeBytes + sizeof hash)) return;
     RecordStream::Part part(stream);
     part.byte(tag);
-    part.word(hash);
+    for (unsigned i = 0; i < sizeof hash; ++i) part.byte(static_cast<uint8_t>(hash >> (8 * i)));
     part.number(further);
 }
 // The sample itself; its number follows.
-[[gnu::always_inline]] inline void record_bytes(RecordStream& stream, uint8_t tag,
-                                                const void* sample, uint32_t bytes) {
-    RecordStream::Part(stream).byte(tag);
-    stream.append(sample, bytes);
-}
 [[gnu::always_inline]] inline void record_whole(RecordStream& stream, uint8_t tag,
-                                                const void* sample, uint32_t bytes,
-                                                uint32_t further) {
+                                                const void* sample, uint32_t bytes) {
     if (!stream.has_room(RecordStream::kTakeBytes + bytes)) return;
-    record_bytes(stream, tag, sample, bytes);
-    RecordStream::Part(stream).number(further);
+    RecordStream::Part part(stream);
+    part.byte(tag);
+    part.bytes(sample, bytes);
 }
 
 // Of a sample that stays as it is until it is recorded.
@@ -53,7 +43,8 @@ template <class Message>
         case RecordedOutput::How::kHash:
             return record_hash(stream, output.tag, sample_hash(sample, bytes), further);
         case RecordedOutput::How::kWhole:
-            return record_whole(stream, output.tag, sample, bytes, further);
+            record_whole(stream, output.tag, sample, bytes);
+            return stream.number(further);
         case RecordedOutput::How::kStamp:
             return stream.take(output.tag, further);
     }
@@ -64,9 +55,8 @@ template <class Message>
 [[gnu::noinline]] inline uint32_t record_sample(RecordStream& stream, const RecordedOutput& output,
                                                 const void* sample, uint32_t bytes) {
     if (output.how == RecordedOutput::How::kHash) return sample_hash(sample, bytes);
-    if (output.how == RecordedOutput::How::kWhole &&
-        stream.has_room(RecordStream::kTakeBytes + bytes)) {
-        record_bytes(stream, output.tag, sample, bytes);
+    if (output.how == RecordedOutput::How::kWhole) {
+        record_whole(stream, output.tag, sample, bytes);
     }
     return 0;
 }
@@ -113,21 +103,12 @@ class Tap {
         if (has_noted_) part.take(tag_, further(noted_));
     }
     // An output: before anyone can read the sample ...
-    template <class Message>
-    [[gnu::always_inline]] void builds(Message* message) {
-        if constexpr (requires { Message::kFloatRuns; }) {
-            if (has_other_nan(*message)) [[unlikely]] {
-                make_canonical(message);
-            }
-        }
-    }
-    void builds(std::byte* sample) {
-        if (stream_ != nullptr) canonicalise(sample, output_->floats, output_->float_count);
+    [[gnu::always_inline]] void builds(void* sample) {
+        if (stream_ != nullptr && output_->float_count != 0) make_canonical(*output_, sample);
     }
     // ... and behind its commit, if it stays as it is until then ...
     [[gnu::always_inline]] void published(const void* sample, uint32_t bytes, uint32_t number) {
         if (stream_ == nullptr) return;
-        asm volatile("" ::: "memory");  // what follows waits until the subscribers are pended
         record_publication(*stream_, *output_, sample, bytes, further(number));
     }
     // ... or what its slot's next user could change before the commit, and the rest behind it.

@@ -36,9 +36,6 @@ struct ParameterRequest {
     int32_t int_value{};  // To set, if it is none; of a bool 0 or 1.
     std::array<uint8_t, 92> name{};  // NODE.PARAMETER, then zeros. All zeros: none.
     uint32_t _padding1{};
-
-    // Of each run of numbers that may be NaN: offset, count, bytes of one.
-    static constexpr uint16_t kFloatRuns[][3] = {{16, 1, 4}};
 };
 static_assert(sizeof(ParameterRequest) == 120);
 static_assert(offsetof(ParameterRequest, timestamp) == 0);

@@ -48,9 +48,6 @@ struct ParameterValue {
     // NODE.PARAMETER, then zeros. All zeros if there is no such parameter.
     std::array<uint8_t, 92> name{};
     uint32_t _padding0{};
-
-    // Of each run of numbers that may be NaN: offset, count, bytes of one.
-    static constexpr uint16_t kFloatRuns[][3] = {{16, 4, 4}};
 };
 static_assert(sizeof(ParameterValue) == 144);
 static_assert(offsetof(ParameterValue, timestamp) == 0);

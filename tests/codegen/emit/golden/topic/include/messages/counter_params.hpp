@@ -12,9 +12,6 @@ struct CounterParams {
     uint64_t timestamp{};  // When it was published; set by publish. [us]
     int32_t first{0};  // Where counting begins.
     float rest{0.0F};  // Time after the start in which nothing is counted. [s]
-
-    // Of each run of numbers that may be NaN: offset, count, bytes of one.
-    static constexpr uint16_t kFloatRuns[][3] = {{12, 1, 4}};
 };
 static_assert(sizeof(CounterParams) == 16);
 static_assert(offsetof(CounterParams, timestamp) == 0);
