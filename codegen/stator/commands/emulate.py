@@ -33,7 +33,7 @@ from stator.flight.progress import progress
 from stator.flight.report import report
 from stator.live.fault_record import in_words
 from stator.live.place import DEFAULT as LINK
-from stator.live.place import socket_place
+from stator.live.place import socket_place, with_graph
 from stator.pipeline import make_plan
 
 if TYPE_CHECKING:
@@ -80,6 +80,7 @@ def main(arguments: argparse.Namespace) -> int:
         options += ["--speed", f"{arguments.speed:.6f}"]
     name = f"emulating {arguments.graph.stem}, seed {arguments.seed}"
     with (
+        with_graph(link, arguments.graph),
         keeping(log, arguments) as kept,
         alone(log),
         progress(name, truth, arguments.duration),

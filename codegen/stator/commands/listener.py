@@ -40,7 +40,7 @@ def _count(text: str) -> int:
 
 def main(arguments: argparse.Namespace) -> int:
     with Link(arguments.link) as link:
-        plan = plan_of(link.info(), arguments.graph)
+        plan = plan_of(link.info(), arguments.graph, arguments.link)
         names = list(plan.topics)
         if arguments.topic not in names:
             raise UserError(

@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(arguments: argparse.Namespace) -> int:
     with Link(arguments.link) as link:
         info = link.info()
-        plan = plan_of(info, arguments.graph)
+        plan = plan_of(info, arguments.graph, arguments.link)
         time_us, rows = measure(link, info, plan, LOOK_S)
     chains = [
         {

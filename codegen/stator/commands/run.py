@@ -55,7 +55,7 @@ from stator.flight.progress import progress
 from stator.flight.report import flight_rows, log_rows, show, watch_rows
 from stator.flight.restarts import run_lives
 from stator.live.place import DEFAULT as LINK
-from stator.live.place import free_place, socket_place
+from stator.live.place import free_place, socket_place, with_graph
 from stator.pipeline import make_plan
 
 if TYPE_CHECKING:
@@ -187,7 +187,8 @@ def main(arguments: argparse.Namespace) -> int:
                 command += ["--mission", str(plan_memory), *place_options(mission)]
             return command
 
-        with keeping(log, arguments) as kept, progress(name, truth, arguments.duration):
+        noted = with_graph(link, arguments.graph)
+        with noted, keeping(log, arguments) as kept, progress(name, truth, arguments.duration):
             finished, earlier = run_lives(command_of, log, arguments.duration)
     if finished.returncode == NOT_DONE:
         raise UserError(finished.stderr.rstrip())

@@ -44,7 +44,7 @@ def _interval(text: str) -> float:
 def main(arguments: argparse.Namespace) -> int:
     with Link(arguments.link) as link:
         info = link.info()
-        plan = plan_of(info, arguments.graph)
+        plan = plan_of(info, arguments.graph, arguments.link)
         if arguments.once or arguments.json or not sys.stdout.isatty():
             _once(link, info, plan, arguments)
         else:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from stator import HOME
 from stator.diagnostics import UserError, shown_path
 from stator.live.fault_record import LAYOUT, FaultRecord, decode
-from stator.live.place import served_places
+from stator.live.place import graph_of, served_places
 
 if TYPE_CHECKING:
     from stator.plan.plan import Plan
@@ -253,12 +253,13 @@ def _text(data: bytes) -> tuple[str, bytes]:
     return data[1 : 1 + data[0]].decode(errors="replace"), data[1 + data[0] :]
 
 
-def plan_of(info: Info, graph: Path | None) -> Plan:
-    """The plan of the running graph. Raises `UserError` if the file holds another graph."""
+def plan_of(info: Info, graph: Path | None, link: Path) -> Plan:
+    """The plan of the running graph: the given one, the one that the link names, or one of Stator's
+    own. Raises `UserError` if the file holds another graph."""
     from stator.pipeline import make_plan
     from stator.plan.hash import graph_hash
 
-    file = graph or HOME / "graph" / f"{info.graph}.yaml"
+    file = graph or graph_of(link) or HOME / "graph" / f"{info.graph}.yaml"
     if not file.is_file():
         raise UserError(
             f"error: missing file '{shown_path(file)}' of the running graph '{info.graph}'\n"

@@ -6,6 +6,7 @@ import contextlib
 import fcntl
 import socket
 from itertools import count
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
@@ -13,7 +14,6 @@ from stator.diagnostics import UserError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 DEFAULT = HOME / "build" / "link"
 MAX_SOCKET_PATH = 100  # bytes; the system takes 107
@@ -60,6 +60,33 @@ def free_place() -> Iterator[Path | None]:
             if not is_served(place):
                 yield place
                 return
+
+
+@contextlib.contextmanager
+def with_graph(link: Path | None, graph: Path) -> Iterator[None]:
+    """Leaves the graph's path beside the socket while it is served, for those who look."""
+    if link is None:
+        yield
+        return
+    note = _note(link)
+    note.write_text(f"{graph.resolve()}\n", encoding="utf-8")
+    try:
+        yield
+    finally:
+        note.unlink(missing_ok=True)
+
+
+def graph_of(link: Path) -> Path | None:
+    """The graph that runs there, if the link says so. A serial port does not."""
+    try:
+        text = _note(link.resolve()).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return None
+    return Path(text.removesuffix("\n"))
+
+
+def _note(link: Path) -> Path:
+    return link.with_name(f"{link.name}.graph")
 
 
 def served_places() -> list[Path]:

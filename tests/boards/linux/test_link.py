@@ -17,6 +17,7 @@ from stator import __main__ as cli
 from stator.build.cmake import PLAIN, build
 from stator.live import place as link_place
 from stator.live.link import Link, NoLink
+from stator.live.place import graph_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -68,11 +69,13 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, in
     assert process.returncode == 128 + SIGINT
     assert facts["reason"].startswith("SIGINT after")
     assert not link.exists()
+    assert graph_of(link) is None
 
 
 @pytest.fixture
 def place(running: tuple[Path, int]) -> list[str]:
-    return ["--link", str(running[0]), "--graph", str(WAITS)]
+    """No graph: the run has left its path with the link."""
+    return ["--link", str(running[0])]
 
 
 def ask(capsys: pytest.CaptureFixture[str], *words: str) -> str:
