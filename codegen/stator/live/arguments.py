@@ -23,7 +23,7 @@ def add_link_arguments(parser: argparse.ArgumentParser) -> None:
         "--graph",
         type=Path,
         metavar="FILE",
-        help="graph file (default: the one that run or emulate has; of a serial port, one of Stator's "
-        "own graphs)",
+        help="graph file (default: the one that run or emulate has; for a serial port, one of "
+        "Stator's own graphs)",
     )
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
