@@ -90,3 +90,17 @@ def test_each_key_has_its_words() -> None:
 def test_is_published(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["schema"]) == 0
     assert json.loads(capsys.readouterr().out) == schema("graph")
+
+
+def test_a_folder_of_schemas_and_the_setting_of_an_editor(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["schema", "--folder", ".schema"]) == 0
+    setting = json.loads(capsys.readouterr().out)["yaml.schemas"]
+    for file in setting:
+        title = json.loads((tmp_path / file).read_text())["title"]
+        assert title == f"Stator {Path(file).stem}"
+    assert setting["./.schema/mission.json"] == ["missions/*.yaml"]
+    assert main(["schema", "mission"]) == 0
+    assert json.loads(capsys.readouterr().out)["title"] == "Stator mission"
