@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "stator/math/bits.hpp"
+#include "validity.hpp"
 
 namespace stator::apps::parameters {
 
@@ -22,39 +23,26 @@ static_assert(kHasTypes<ParameterType>);
 static_assert(kHasTypes<ParameterRequest::Type>);
 static_assert(kHasTypes<ParameterValue::Type>);
 
-float as_float(ParameterBits value) {
-    return std::bit_cast<float>(value);
-}
-int32_t as_int(ParameterBits value) {
-    return std::bit_cast<int32_t>(value);
-}
-
 std::string_view text(const Name& name) {
     size_t length = 0;
     while (length < name.size() && name[length] != 0) ++length;
     return {reinterpret_cast<const char*>(name.data()), length};
 }
 
-// By name if there is one, else by index; null if it does not exist.
+// By name or id if there is one, else by index; null if it does not exist.
 const ParameterRow* find(const ParameterPort& parameters, const ParameterRequest& request) {
     const auto rows = parameters.rows();
     const std::string_view name = text(request.name);
     if (name.empty()) return request.index < rows.size() ? &rows[request.index] : nullptr;
     for (const ParameterRow& row : rows) {
-        if (name == row.is.name) return &row;
+        if (name == row.is.name || name == row.is.id) return &row;
     }
     return nullptr;
 }
 
-bool is_in_range(const ParameterRow& row, ParameterBits value) {
-    if (row.type == ParameterType::kFloat) {
-        return as_float(value) >= as_float(row.least) && as_float(value) <= as_float(row.most);
-    }
-    return as_int(value) >= as_int(row.least) && as_int(value) <= as_int(row.most);
-}
-
 // The same value again is written, but not published.
-Result set(ParameterPort& parameters, const ParameterRow& row, const ParameterRequest& request) {
+Result set(ParametersPorts& ports, const ParameterRow& row, const ParameterRequest& request) {
+    ParameterPort& parameters = ports.parameters;
     const bool is_float = row.type == ParameterType::kFloat;
     if (static_cast<ParameterType>(request.type) != row.type) return Result::kWrongType;
     if (is_float && math::is_nan(request.float_value)) return Result::kNotANumber;
@@ -62,11 +50,19 @@ Result set(ParameterPort& parameters, const ParameterRow& row, const ParameterRe
                                 : std::bit_cast<ParameterBits>(request.int_value);
     if (!is_in_range(row, value)) return Result::kOutOfRange;
     if (row.is_fixed) return Result::kFixed;
+    const bool is_armed =
+        ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
+    if (row.on_ground && is_armed) return Result::kArmed;
     if (value != parameters.value(row)) parameters.publish(row, value);
     return Result::kWritten;
 }
 
-ParameterValue answer(const ParameterPort& parameters, const ParameterRow& row) {
+template <class Text>
+void copy_text(const char* from, Text& to) {
+    for (size_t i = 0; i < to.size() && from[i] != 0; ++i) to[i] = static_cast<uint8_t>(from[i]);
+}
+
+ParameterValue answer_about(const ParameterPort& parameters, const ParameterRow& row) {
     ParameterValue answer{.type = static_cast<ParameterValue::Type>(row.type),
                           .index = static_cast<uint16_t>(&row - parameters.rows().data())};
     const ParameterBits value = parameters.value(row);
@@ -81,24 +77,32 @@ ParameterValue answer(const ParameterPort& parameters, const ParameterRow& row) 
         answer.int_most = as_int(row.most);
         answer.int_default = as_int(row.standard);
     }
-    for (size_t i = 0; i < answer.name.size() && row.is.name[i] != 0; ++i) {
-        answer.name[i] = static_cast<uint8_t>(row.is.name[i]);
-    }
+    answer.on_ground = row.on_ground;
+    copy_text(row.is.name, answer.name);
+    copy_text(row.is.id, answer.id);
     return answer;
 }
 
 }  // namespace
 
 void Parameters::step(ParametersPorts& ports) {
-    if (!ports.request) return;
+    keeper_.take(ports);
+    if (ports.request.next()) answer(ports);
+    keeper_.work(ports);
+}
+
+void Parameters::answer(ParametersPorts& ports) {
     const ParameterRequest& request = *ports.request;
     const ParameterRow* const row = find(ports.parameters, request);
     Result result = row == nullptr ? Result::kUnknown : Result::kRead;
     if (row != nullptr && request.action == Action::kSet) {
-        result = set(ports.parameters, *row, request);
+        result = set(ports, *row, request);
+        const auto place = static_cast<unsigned>(row - ports.parameters.rows().data());
+        if (result == Result::kWritten) keeper_.change(ports, place);
     }
     ports.value.publish([&] {
-        ParameterValue value = row == nullptr ? ParameterValue{} : answer(ports.parameters, *row);
+        ParameterValue value =
+            row == nullptr ? ParameterValue{} : answer_about(ports.parameters, *row);
         value.requester = static_cast<ParameterValue::Requester>(request.requester);
         value.tag = request.tag;
         value.result = result;

@@ -81,6 +81,7 @@ void fly_on_without_log() {
 void connect(board::RealWorld& world) {
     the_world = &world;
     board::system0.restart = stop;
+    parameter_box = &board::terminal0.box;
     board::motors.write = [](const drivers::motor::sim::MotorSim::Control& control) {
         the_world->command_motors(control);
     };

@@ -142,6 +142,7 @@ void prepare() {
     motors.write = write_motors;
     log_storage.append = append;
     system0.restart = restart_or_finish;
+    parameter_box = &terminal0.box;
     open_nonvolatile();
     nonvolatile0 = {.read = read_nonvolatile, .write = write_nonvolatile};
     if (mission_file.open(link::kMission, semihosting::Mode::kChange)) {

@@ -48,6 +48,7 @@ COMMANDS = (
     Command("top", "", "show the tasks of a running vehicle"),
     Command("listener", "", "print the samples of a topic of a running vehicle"),
     Command("perf", "", "show the measured times of a running vehicle beside their bounds"),
+    Command("param", "", "list, change, save and load the parameters of a running vehicle"),
     Command("plot", "", "draw plots of a flight from its log"),
     Command("compare", "", "show what differs between two flights, and draw both"),
     Command("replay", "host", "repeat a recorded flight and compare every sample"),

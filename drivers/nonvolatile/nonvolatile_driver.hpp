@@ -16,7 +16,10 @@ class NonvolatileDriver {
     explicit NonvolatileDriver(Port port) : store_(port) {}
 
     void step(NonvolatilePorts& ports) {
-        if (state_ == State::kLoading) {
+        if (first_us_ == kNever) first_us_ = ports.now;
+        if (!is_counted_) {
+            count_start();
+        } else if (state_ == State::kLoading) {
             load(ports);
         } else {
             keep(ports);
@@ -30,13 +33,35 @@ class NonvolatileDriver {
     using Store = RecordStore<Port>;
     static constexpr unsigned kLoads = 4;     // in an activation: the burst of the output
     static constexpr unsigned kMaxTries = 5;  // of one slot, in as many activations
+    static constexpr uint64_t kShortLife_us = 5'000'000;
+    static constexpr uint64_t kNever = UINT64_MAX;
+
+    // Before any record is published: what one of them does to a node may end this life.
+    void count_start() {
+        unsigned short_lives = 0;
+        is_counted_ = store_.count_start(short_lives);
+        if (!is_counted_) {
+            if (++tries_ == kMaxTries) fail();
+            return;
+        }
+        tries_ = 0;
+        short_lives_ = static_cast<uint8_t>(std::min(short_lives, 255U));
+        is_young_ = true;
+    }
+    void fail() {
+        state_ = State::kFailed;
+        is_counted_ = true;
+    }
+    void grow_up() {
+        if (is_young_) is_young_ = !store_.forget_starts() && ++tries_ < kMaxTries;
+    }
 
     void load(NonvolatilePorts& ports) {
         StoredRecord record{};
         for (unsigned i = 0; i < kLoads && !store_.is_loaded(); ++i) {
             const auto result = store_.load_next(record);
             if (result == Store::Load::kFailed) {
-                if (++tries_ == kMaxTries) state_ = State::kFailed;
+                if (++tries_ == kMaxTries) fail();
                 return;
             }
             tries_ = 0;
@@ -46,11 +71,21 @@ class NonvolatileDriver {
     }
 
     void keep(NonvolatilePorts& ports) {
+        if (ports.now - first_us_ >= kShortLife_us && state_ == State::kLoaded) grow_up();
         if (!ports.store.next()) return;
         lost_ += ports.store.lost();
-        const bool is_kept =
-            state_ == State::kLoaded && store_.keep(*ports.store) == Store::Keep::kKept;
-        if (!is_kept) ++refused_;
+        const StoredRecord& record = *ports.store;
+        const auto result = state_ == State::kLoaded ? store_.keep(record) : Store::Keep::kFailed;
+        if (result == Store::Keep::kKept) {
+            grow_up();  // the next start has other records than this one
+        } else {
+            ++refused_;
+        }
+        ports.kept.publish([&] {
+            return RecordKept{.key = record.key,
+                              .kind = static_cast<RecordKept::Kind>(record.kind),
+                              .result = static_cast<RecordKept::Result>(result)};
+        });
     }
 
     void report(NonvolatilePorts& ports) {
@@ -60,7 +95,8 @@ class NonvolatileDriver {
                                        .most_records = Store::kMaxRecords,
                                        .mended = static_cast<uint16_t>(store_.mended()),
                                        .damaged = static_cast<uint16_t>(store_.damaged()),
-                                       .state = state_};
+                                       .state = state_,
+                                       .short_lives = short_lives_};
         if (std::memcmp(&status, &status_, sizeof status) == 0) return;
         status_ = status;
         ports.status.publish([&] { return status; });
@@ -69,6 +105,10 @@ class NonvolatileDriver {
     Store store_;
     State state_ = State::kLoading;
     unsigned tries_ = 0;
+    uint64_t first_us_ = kNever;  // activation
+    bool is_counted_ = false;     // this start
+    bool is_young_ = false;       // and counted as one that does not live long
+    uint8_t short_lives_ = 0;
     uint32_t refused_ = 0;
     uint32_t lost_ = 0;
     NonvolatileStatus status_{};  // as published

@@ -59,6 +59,8 @@ size_t answer(const uint8_t* request, size_t count, uint8_t* body) {
         case Request::kFault:
             out.put(last_fault_record);
             return out.count();
+        case Request::kParameter:
+            return put_parameter(out, parameter_box, request, count) ? out.count() : 0;
         default:
             return 0;
     }

@@ -72,6 +72,8 @@ size_t answer(const uint8_t* request, size_t count, uint8_t* body) {
             if (asked.argument >= program.topic_count) return 0;
             put_sample(out, asked.argument);
             return out.count();
+        case Request::kParameter:
+            return put_parameter(out, parameter_box, request, count) ? out.count() : 0;
         default:  // a process leaves no record of a fault
             return 0;
     }

@@ -12,8 +12,9 @@ GROUND = (
     *("version", "lock", "processes"),
 )
 ROOMS = (
-    *("language", "graph", "plan", "emit", "pipeline", "build", "mission", "live", "flight"),
-    *("charts", "score", "emulator", "bench", "schema", "testing", "commands", "__main__"),
+    *("language", "graph", "plan", "emit", "pipeline", "build", "mission", "live", "params"),
+    *("flight", "charts", "score", "emulator", "bench", "schema", "testing", "commands"),
+    "__main__",
 )
 RANK = dict.fromkeys(GROUND, 0) | {name: i for i, name in enumerate(ROOMS, 1)}
 

@@ -26,6 +26,7 @@ MAX_SLOTS = 32
 MAX_TIMERS = 32  # of one node: each has a bit in the word that says what woke the node
 MAX_MODES = 255
 MAX_LOGGED_BYTES = 1000  # of a message: the size of a block of the log
+MAX_PARAMS = 512  # that one node publishes: Marks in apps/parameters/keeper.hpp
 MAX_PARAM_NODES = 200  # nodes whose parameters one node publishes; each is a recorded port
 MAX_PARAM_ID = 16  # MAVLink's limit
 MAX_PARAM_NAME = 92  # bytes of NODE.PARAMETER in messages; DroneCAN's limit

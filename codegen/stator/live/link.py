@@ -23,7 +23,7 @@ from stator.live.place import graph_of, served_places
 if TYPE_CHECKING:
     from stator.plan.plan import Plan
 
-INFO, TASKS, SAMPLE, FAULT = 1, 2, 3, 4
+INFO, TASKS, SAMPLE, FAULT, PARAMETER = 1, 2, 3, 4, 5
 VERSION = 1
 ANSWER_S = 0.5  # until a request is sent again
 MAX_TRIES = 10
@@ -147,13 +147,13 @@ class Link:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def ask(self, kind: int, argument: int = 0) -> bytes:
+    def ask(self, kind: int, argument: int = 0, more: bytes = b"") -> bytes:
         """The body of the answer, without its head. Raises `NoLink` if there is no answer."""
         for _ in range(MAX_TRIES):
             self._tag = (self._tag + 1) % 256
             head = bytes([kind, self._tag])
             try:
-                os.write(self._file, b"\0" + frame(head + struct.pack("<H", argument)))
+                os.write(self._file, b"\0" + frame(head + struct.pack("<H", argument) + more))
                 body = self._answer(head)
             except OSError as error:
                 raise self._gone(error.strerror or "") from None
@@ -228,6 +228,10 @@ class Link:
         body = self.ask(SAMPLE, topic)
         _, number = struct.unpack_from("<HI", body)
         return number, body[6:]
+
+    def ask_parameter(self, index: int, request: bytes) -> bytes:
+        """How far a request for a parameter is: docs/link.md."""
+        return self.ask(PARAMETER, index, request)
 
     def fault(self) -> FaultRecord | None:
         body = self.ask(FAULT)

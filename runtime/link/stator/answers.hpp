@@ -8,12 +8,13 @@
 #include <cstring>
 
 #include "stator/link.hpp"
+#include "stator/parameter_box.hpp"
 #include "stator/task.hpp"
 #include "stator/watch.hpp"
 
 namespace stator {
 
-enum class Request : uint8_t { kInfo = 1, kTasks = 2, kSample = 3, kFault = 4 };
+enum class Request : uint8_t { kInfo = 1, kTasks = 2, kSample = 3, kFault = 4, kParameter = 5 };
 inline constexpr uint8_t kLinkVersion = 1;
 inline constexpr unsigned kMaxTasksTold = 20;      // in an answer
 inline constexpr uint16_t kMaxSampleBytes = 1000;  // told of a sample
@@ -118,6 +119,25 @@ void put_tasks(Writer& out, const Program& graph, uint64_t now_us, unsigned firs
         out.put(figures_of(i));
         out.put(missed_life_signs_of(i, graph.watched, graph.watched_count));
     }
+}
+
+// The request holds behind its index: u16 tag, u8 action, u8 type, u32 value.
+inline bool put_parameter(Writer& out, ParameterBox* box, const uint8_t* request, size_t count) {
+    constexpr size_t kBytes = 12;
+    if (count != kBytes) return false;
+    ParameterBox::Ask ask{};
+    std::memcpy(&ask.index, request + 2, sizeof ask.index);
+    std::memcpy(&ask.tag, request + 4, sizeof ask.tag);
+    ask.action = request[6];
+    ask.type = request[7];
+    std::memcpy(&ask.value, request + 8, sizeof ask.value);
+    ParameterBox::Answer answer{};
+    const auto progress =
+        box == nullptr ? ParameterBox::Progress::kUnserved : box->ask(ask, answer);
+    out.put(static_cast<uint8_t>(progress));
+    out.put(answer.result);
+    out.put(answer.value);
+    return true;
 }
 
 }  // namespace stator

@@ -21,6 +21,10 @@ class ParameterPort {
 
     std::span<const ParameterRow> rows() const { return {table_->rows, table_->row_count}; }
 
+    std::span<const FormerParameter> former() const {
+        return {table_->former, table_->former_count};
+    }
+
     ParameterBits value(const ParameterRow& row) const {
         return read_parameter(row, newest(row).data());
     }

@@ -26,16 +26,21 @@ struct Driver : ::testing::Test {
     }
     // One activation. The newest of what it published, as a probe keeps no more.
     void step(const StoredRecord* record = nullptr) {
-        NonvolatilePorts ports{.now = 1000,
+        NonvolatilePorts ports{.now = now_us,
                                .store = record == nullptr ? Input<StoredRecord>() : Input(*record)};
         stator::testing::Probe stored(ports.stored, ports.now);
         stator::testing::Probe told(ports.status, ports.now);
+        stator::testing::Probe kept_record(ports.kept, ports.now);
         driver->step(ports);
         EXPECT_LE(stored.count(), 4U) << "the burst of the interface";
         if (stored.count() != 0) newest = stored.newest();
         loaded += stored.count();
         if (told.count() != 0) status = told.newest();
         was_told = told.count() != 0;
+        EXPECT_EQ(kept_record.count(),
+                  record != nullptr && status.state != State::kLoading ? 1U : 0U);
+        if (kept_record.count() != 0) kept = kept_record.newest();
+        now_us += 10'000;
     }
     void start() {
         for (int i = 0; i < 100; ++i) step();
@@ -47,16 +52,18 @@ struct Driver : ::testing::Test {
     NonvolatileStatus status{};
     StoredRecord newest{};
     uint32_t loaded = 0;
+    RecordKept kept{};
+    uint64_t now_us = 1000;
     bool was_told = false;
 };
 
-TEST_F(Driver, an_empty_memory_is_loaded_in_64_activations) {
-    for (int i = 0; i < 63; ++i) step();
+TEST_F(Driver, an_empty_memory_is_loaded_in_65_activations) {
+    for (int i = 0; i < 64; ++i) step();
     EXPECT_EQ(status.state, State::kLoading);
     step();
     EXPECT_EQ(status.state, State::kLoaded);
     EXPECT_EQ(status.records, 0);
-    EXPECT_EQ(status.most_records, 256);
+    EXPECT_EQ(status.most_records, 255);
     step();
     EXPECT_FALSE(was_told) << "nothing new";
 }
@@ -65,6 +72,8 @@ TEST_F(Driver, what_was_kept_comes_after_the_next_start) {
     start();
     const StoredRecord record = record_of(77, 7);
     step(&record);
+    EXPECT_EQ(kept.result, RecordKept::Result::kKept);
+    EXPECT_EQ(kept.key, 77U);
     EXPECT_EQ(status.records, 1);
     EXPECT_EQ(status.refused, 0U);
     driver.emplace(device);
@@ -78,7 +87,7 @@ TEST_F(Driver, what_was_kept_comes_after_the_next_start) {
 TEST_F(Driver, nothing_is_taken_before_all_is_loaded) {
     const StoredRecord record = record_of(1, 1);
     step(&record);
-    EXPECT_EQ(own.written, 0U);
+    EXPECT_EQ(own.written, 64U) << "the count of starts";
 }
 
 TEST_F(Driver, a_memory_that_does_not_answer_fails_in_bounded_time) {
@@ -110,7 +119,29 @@ TEST_F(Driver, a_write_that_fails_is_counted) {
     const StoredRecord record = record_of(1, 1);
     step(&record);
     EXPECT_EQ(status.refused, 1U);
+    EXPECT_EQ(kept.result, RecordKept::Result::kFailed);
     EXPECT_EQ(status.state, State::kLoaded);
+}
+
+TEST_F(Driver, a_start_that_ended_soon_is_told_to_the_next_one) {
+    for (uint8_t lives = 0; lives < 3; ++lives) {
+        driver.emplace(device);
+        start();  // for a second
+        EXPECT_EQ(status.short_lives, lives);
+    }
+    for (int i = 0; i < 500; ++i) step();
+    driver.emplace(device);
+    start();
+    EXPECT_EQ(status.short_lives, 0);
+}
+
+TEST_F(Driver, a_new_record_begins_the_count_of_starts_again) {
+    start();
+    const StoredRecord record = record_of(1, 1);
+    step(&record);
+    driver.emplace(device);
+    start();
+    EXPECT_EQ(status.short_lives, 0);
 }
 
 }  // namespace

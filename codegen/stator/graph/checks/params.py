@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from stator.diagnostics import beside
 from stator.graph.param_ids import NUMBER, former_keys_of, full_name, id_of, key_of
-from stator.language.keys import MAX_PARAM_ID, MAX_PARAM_NAME, MAX_PARAM_NODES
+from stator.language.keys import MAX_PARAM_ID, MAX_PARAM_NAME, MAX_PARAM_NODES, MAX_PARAMS
 
 if TYPE_CHECKING:
     from stator.diagnostics import Report
@@ -31,6 +31,14 @@ def check_params_publisher(nodes: dict[str, Node], report: Report) -> None:
             publishers[0].mark,
             "params-publisher",
             f"expected at most {MAX_PARAM_NODES} nodes with parameters, found {len(owners)}",
+            "remove this node: then parameters cannot change in flight",
+        )
+    count = sum(len(node.params) for node in owners)
+    if count > MAX_PARAMS:
+        report.error(
+            publishers[0].mark,
+            "params-publisher",
+            f"expected at most {MAX_PARAMS} parameters, found {count}",
             "remove this node: then parameters cannot change in flight",
         )
     for node in owners:

@@ -24,8 +24,14 @@ class ParameterPort {
                                  : std::span(table_->rows, table_->row_count);
     }
 
-    // The value that counts now, of one of the rows.
-    ParameterBits value(const ParameterRow& row) const {
+    std::span<const FormerParameter> former() const {
+        return table_ == nullptr ? std::span<const FormerParameter>()
+                                 : std::span(table_->former, table_->former_count);
+    }
+
+    // The value that counts now, of one of the rows. Like `publish` it is not inlined: both are
+    // long, rare, and called in several places.
+    [[gnu::noinline]] ParameterBits value(const ParameterRow& row) const {
         const Topic& topic = *table_->topics[row.topic].topic;
         Pin pin;
         if (!take_latest(topic, 0, pin)) return row.standard;
@@ -36,7 +42,7 @@ class ParameterPort {
 
     // Publishes the parameters of the row's node with this one changed, as one sample. Its node
     // sees it at its next activation; nobody is woken.
-    void publish(const ParameterRow& row, ParameterBits value) {
+    [[gnu::noinline]] void publish(const ParameterRow& row, ParameterBits value) {
         const ParameterTopic& target = table_->topics[row.topic];
         const Topic& topic = *target.topic;
         Pin pin;

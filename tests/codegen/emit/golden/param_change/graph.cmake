@@ -30,6 +30,11 @@ set(graph_inputs
     [==[@ROOT@/graph/examples/budgets/desk.yaml]==]
     [==[@ROOT@/graph/examples/messages/Count.yaml]==]
     [==[@ROOT@/graph/examples/param_change.yaml]==]
+    [==[@ROOT@/graph/messages/NonvolatileStatus.yaml]==]
     [==[@ROOT@/graph/messages/ParameterRequest.yaml]==]
+    [==[@ROOT@/graph/messages/ParameterStatus.yaml]==]
     [==[@ROOT@/graph/messages/ParameterValue.yaml]==]
+    [==[@ROOT@/graph/messages/RecordKept.yaml]==]
+    [==[@ROOT@/graph/messages/StoredRecord.yaml]==]
+    [==[@ROOT@/graph/messages/VehicleStatus.yaml]==]
 )

@@ -12,6 +12,8 @@ struct ParameterRequest {
     enum class Requester : uint8_t {
         kNone = 0,
         kCan = 1,
+        kLink = 2,
+        kMavlink = 3,
     };
 
     enum class Action : uint8_t {
@@ -30,11 +32,11 @@ struct ParameterRequest {
     uint8_t tag{};  // The requester's own number for this request.
     Action action{};  // What to do.
     Type type{};  // Of the value to set.
-    uint16_t index{};  // Which parameter, from 0. Counts only without a name.
+    uint16_t index{};  // Which parameter, from 0 in the order of ids. Counts only without a name.
     uint16_t _padding0{};
     float float_value{};  // To set, if it is a float.
     int32_t int_value{};  // To set, if it is none; of a bool 0 or 1.
-    std::array<uint8_t, 92> name{};  // NODE.PARAMETER, then zeros. All zeros: none.
+    std::array<uint8_t, 92> name{};  // NODE.PARAMETER or the id, then zeros. All zeros: none.
     uint32_t _padding1{};
 };
 static_assert(sizeof(ParameterRequest) == 120);

@@ -12,6 +12,8 @@ struct ParameterValue {
     enum class Requester : uint8_t {
         kNone = 0,
         kCan = 1,
+        kLink = 2,
+        kMavlink = 3,
     };
 
     enum class Result : uint8_t {
@@ -22,6 +24,7 @@ struct ParameterValue {
         kOutOfRange = 4,
         kNotANumber = 5,
         kFixed = 6,
+        kArmed = 7,
     };
 
     enum class Type : uint8_t {
@@ -35,7 +38,7 @@ struct ParameterValue {
     uint8_t tag{};  // Of the request.
     Result result{};  // What came of it. From unknown on: nothing was changed, for this reason.
     Type type{};  // Whether the float fields hold, or the int ones; of a bool 0 or 1.
-    uint16_t index{};  // Which parameter, from 0.
+    uint16_t index{};  // Which parameter, from 0 in the order of ids.
     uint16_t count{};  // How many there are.
     float float_value{};  // The value.
     float float_least{};  // Least value.
@@ -47,9 +50,11 @@ struct ParameterValue {
     int32_t int_default{};  // What the graph says, which counts at the start.
     // NODE.PARAMETER, then zeros. All zeros if there is no such parameter.
     std::array<uint8_t, 92> name{};
-    uint32_t _padding0{};
+    std::array<uint8_t, 16> id{};  // Its name for ground stations, then zeros.
+    bool on_ground{};  // It changes only while the vehicle is disarmed.
+    std::array<uint8_t, 3> _padding0{};
 };
-static_assert(sizeof(ParameterValue) == 144);
+static_assert(sizeof(ParameterValue) == 160);
 static_assert(offsetof(ParameterValue, timestamp) == 0);
 static_assert(offsetof(ParameterValue, requester) == 8);
 static_assert(offsetof(ParameterValue, tag) == 9);
@@ -66,6 +71,8 @@ static_assert(offsetof(ParameterValue, int_least) == 36);
 static_assert(offsetof(ParameterValue, int_most) == 40);
 static_assert(offsetof(ParameterValue, int_default) == 44);
 static_assert(offsetof(ParameterValue, name) == 48);
-static_assert(offsetof(ParameterValue, _padding0) == 140);
+static_assert(offsetof(ParameterValue, id) == 140);
+static_assert(offsetof(ParameterValue, on_ground) == 156);
+static_assert(offsetof(ParameterValue, _padding0) == 157);
 
 }  // namespace stator

@@ -3,14 +3,20 @@
 
 #include <cstdint>
 
+#include "messages/nonvolatile_status.hpp"
 #include "messages/parameter_request.hpp"
+#include "messages/parameter_status.hpp"
 #include "messages/parameter_value.hpp"
+#include "messages/record_kept.hpp"
+#include "messages/stored_record.hpp"
+#include "messages/vehicle_status.hpp"
 #include "stator/parameter_port.hpp"
 #include "stator/port.hpp"
 
 namespace stator::apps::parameters {
 
-// Publishes the parameters of all nodes, and changes them on request.
+// Publishes the parameters of all nodes, changes them on request, and keeps those that differ from
+// the graph's.
 struct ParametersPorts {
     // What woke this activation. Timers: bit i is the i-th `every` of the node's triggers.
     struct Fired {
@@ -20,7 +26,17 @@ struct ParametersPorts {
     uint64_t now = 0;  // us
     Fired fired{};
     Input<ParameterRequest> request{};  // Requests, answered one by one in their order.
+    // While armed, parameters with `in_flight: false` do not change.
+    Input<VehicleStatus> status{};
+    Input<StoredRecord> stored{};  // What outlived a restart. Read in order.
+    // Of the memory that keeps them. Without it, changes count until the restart.
+    Input<NonvolatileStatus> memory{};
+    Input<RecordKept> kept{};  // What became of each record to keep. Read in order.
     Output<ParameterValue> value{};  // The answer to each.
+    // A value to keep: one at a time. The next one follows its result.
+    Output<StoredRecord> store{};
+    // How many are kept, and how many are not; when that changes.
+    Output<ParameterStatus> report{};
     ParameterPort parameters{};
 
     [[gnu::always_inline]] ~ParametersPorts() = default;
