@@ -61,6 +61,16 @@ int32_t mode_of_slot(const CommanderParams& params, unsigned slot) {
     return slot >= 1 && slot <= modes.size() ? modes[slot - 1] : static_cast<int32_t>(Nav::kHold);
 }
 
+// Not while they are loaded, nor if that failed or a circle of restarts made it do without them: it
+// must not fly with other gains than its owner thinks.
+bool parameters_count(const CommanderPorts& ports) {
+    using State = ParameterStatus::State;
+    if (!ports.parameters) return true;
+    const ParameterStatus& status = *ports.parameters;
+    return status.state != State::kLoading && status.state != State::kFailed &&
+           status.withheld == 0;
+}
+
 }  // namespace
 
 void Commander::take_health(const CommanderPorts& ports, float dt) {
@@ -75,9 +85,10 @@ void Commander::take_health(const CommanderPorts& ports, float dt) {
     h.motors_ok = hears_motors(ports);
     h.rc_ok = hears_pilot(ports);
     h.logging_ok = static_cast<bool>(ports.log);
+    h.parameters_ok = parameters_count(ports);
     h.mission_ok = wish_ != Nav::kMission || (ports.result && ports.result->valid);
     h.can_arm = h.sensors_ok && h.estimator_ok && h.battery_ok && h.motors_ok && h.rc_ok &&
-                h.logging_ok && h.mission_ok;
+                h.logging_ok && h.parameters_ok && h.mission_ok;
 }
 
 // Before the first take-off it is on the ground; then only after it has landed for a while.

@@ -41,6 +41,7 @@ CHECKS = {
     "rc_ok": "no signal from the pilot",
     "logging_ok": "no log is written",
     "motors_ok": "a motor controller is silent",
+    "parameters_ok": "kept parameters could not be used",
     "mission_ok": "the mission cannot be flown",
 }
 
@@ -216,7 +217,7 @@ def _errors(log: ULog, flight: Flight, setpoint: Floats) -> dict[str, object]:
 
 def _why_not(log: ULog) -> str:
     health = flight_log.topic(log, "health_report")
-    failed = [text for key, text in CHECKS.items() if not health[key][-1]]
+    failed = [text for key, text in CHECKS.items() if not health.get(key, [True])[-1]]
     if not health["mission_ok"][-1]:
         failed[-1] += f" ({_fault(flight_log.topic(log, 'mission_result'))})"
     return "; ".join(failed) or "no request to arm"

@@ -128,12 +128,13 @@ class Log:
 
     def __init__(self, path: Path, graph: Path | None) -> None:
         from pyulog import ULog
+        from pyulog.exceptions import ULogException
 
         from stator.pipeline import make_plan
 
         try:
             self._log = ULog(str(path))
-        except (OSError, TypeError, ValueError, struct.error) as error:
+        except (OSError, ULogException, TypeError, ValueError, struct.error) as error:
             why = getattr(error, "strerror", None) or "not a ULog file"
             raise UserError(f"error: cannot read '{shown_path(path)}': {why}") from None
         name = self._log.msg_info_dict.get("graph", "")

@@ -51,6 +51,7 @@ class CommanderTest : public ::testing::Test {
             .gnss = has_gnss_ ? Input(gnss_) : Input<SensorGps>(),
             .escs = Input(escs_),
             .command = is_commanded_ ? Input(command_) : Input<VehicleCommand>(),
+            .parameters = Input(parameters_),
             .log = has_log_ ? Input(log_) : Input<LogBlock>(),
             .params = Input(params_)};
         testing::Probe status(ports.status, now_us_);
@@ -140,6 +141,7 @@ class CommanderTest : public ::testing::Test {
     SensorGps gnss_{};
     EscStatus escs_{};
     LogBlock log_{};
+    ParameterStatus parameters_{};
     CommanderParams params_{};
     VehicleStatus status_{};
     HomePosition home_{};
@@ -181,7 +183,8 @@ TEST_F(CommanderTest, a_switch_that_was_on_from_the_start_does_not_arm) {
 }
 
 TEST_F(CommanderTest, each_check_that_fails_keeps_it_disarmed_and_says_so) {
-    const std::array<std::pair<std::function<void()>, bool HealthReport::*>, 15> faults{{
+    using Memory = ParameterStatus::State;
+    const std::array<std::pair<std::function<void()>, bool HealthReport::*>, 18> faults{{
         {[&] { has_gyro_ = false; }, &HealthReport::sensors_ok},
         {[&] { has_mag_ = false; }, &HealthReport::sensors_ok},
         {[&] { has_baro_ = false; }, &HealthReport::sensors_ok},
@@ -196,12 +199,16 @@ TEST_F(CommanderTest, each_check_that_fails_keeps_it_disarmed_and_says_so) {
         {[&] { escs_.esc_online_flags = 0b0111; }, &HealthReport::motors_ok},
         {[&] { has_sticks_ = false; }, &HealthReport::rc_ok},
         {[&] { has_log_ = false; }, &HealthReport::logging_ok},
+        {[&] { parameters_.state = Memory::kLoading; }, &HealthReport::parameters_ok},
+        {[&] { parameters_.state = Memory::kFailed; }, &HealthReport::parameters_ok},
+        {[&] { parameters_.withheld = 1; }, &HealthReport::parameters_ok},
         {[&] { choose(Nav::kMission), result_.valid = false; }, &HealthReport::mission_ok},
     }};
     const VehicleLocalPosition good = position_;
     for (std::size_t i = 0; i < faults.size(); ++i) {
         node_ = {};
         position_ = good;
+        parameters_ = {.state = Memory::kLoaded};
         battery_ = {.connected = true};
         escs_.esc_online_flags = 0b1111;
         has_sticks_ = has_battery_ = has_gyro_ = has_mag_ = has_baro_ = has_gnss_ = true;
