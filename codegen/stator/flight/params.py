@@ -10,6 +10,7 @@ from stator.diagnostics import Failed, Mark, Report, UserError, nearest
 from stator.emit.rows import literal
 from stator.graph.value import read_value
 from stator.language.yaml_tree import Scalar
+from stator.params.table import table_of
 from stator.quantities import CONVERSIONS, split
 
 if TYPE_CHECKING:
@@ -111,7 +112,8 @@ def _plain(value: Value) -> float | bool:
 
 def _read(graph: Graph, text: str) -> Replaced:
     name, equals, value = text.partition("=")
-    node, dot, key = name.strip().partition(".")
+    ids = {row.id: row.name for row in table_of(graph)}
+    node, dot, key = ids.get(name.strip(), name.strip()).partition(".")
     if not equals or not dot:
         raise UserError(
             "expected NODE.PARAMETER=VALUE\nhint: write for example --param rate_control.roll_p=0.1"

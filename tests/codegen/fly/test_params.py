@@ -33,6 +33,7 @@ def graph_of(name: str = "quad") -> Graph:
         ("attitude_control.roll_rate_limit=180 deg/s", "attitude_control.roll_rate_limit=3.14159"),
         ("allocation.airmode=true", "allocation.airmode=true"),
         ("allocation.rotor_count=6", "allocation.rotor_count=6"),
+        ("CA_ROTOR_COUNT=6", "allocation.rotor_count=6"),  # its id
     ],
 )
 def test_values_are_read_in_their_units(text: str, option: str) -> None:
