@@ -53,9 +53,6 @@ struct ParameterValue {
     std::array<uint8_t, 16> id{};  // Its name for ground stations, then zeros.
     bool on_ground{};  // It changes only while the vehicle is disarmed.
     std::array<uint8_t, 3> _padding0{};
-
-    // Of each run of numbers that may be NaN: offset, count, bytes of one.
-    static constexpr uint16_t kFloatRuns[][3] = {{16, 4, 4}};
 };
 static_assert(sizeof(ParameterValue) == 160);
 static_assert(offsetof(ParameterValue, timestamp) == 0);
