@@ -43,7 +43,7 @@ class Vehicle:
 
     def __init__(self, link: Link, graph: Path | None) -> None:
         self._link = link
-        self._plan: Plan = plan_of(link.info(), graph)
+        self._plan: Plan = plan_of(link.info(), graph, link.path)
         self._topics = list(self._plan.topics)
         self.graph: Graph = self._plan.graph
         self.table = table_of(self.graph)
