@@ -147,7 +147,7 @@ void advance(std::uint64_t now_us) {
         run_can_parts();
         record_truth();
     }
-    if (the_world->is_over()) stop();
+    if (the_world->is_over() || ending_signal.load() != 0) stop();
 }
 
 }  // namespace stator::board

@@ -64,13 +64,12 @@ void fly_on_without_log() {
     return false;
 }
 
-// Whoever starts a flight with MAVLink may end it with one of these.
-std::atomic<int> ending_signal = 0;
-
+// A signal ends a flight in order, with its log and its facts.
 void end_by_signals() {
-    const auto note = [](int number) { ending_signal.store(number); };
+    const auto note = [](int number) { board::ending_signal.store(number); };
     std::signal(SIGINT, note);
     std::signal(SIGTERM, note);
+    if (std::signal(SIGHUP, note) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
     sigset_t all;  // blocked until now, so that none is lost
     sigfillset(&all);
     pthread_sigmask(SIG_UNBLOCK, &all, nullptr);
@@ -93,7 +92,8 @@ void run_paced(const world::Options& options) {
     constexpr std::uint64_t kSlice_us = 10'000;
     const auto begin = std::chrono::steady_clock::now();
     const auto is_over = [] {
-        return board::world().is_over() || board::system0.restarts || ending_signal.load() != 0;
+        return board::world().is_over() || board::system0.restarts ||
+               board::ending_signal.load() != 0;
     };
     for (std::uint64_t now_us = 0; now_us < options.duration_us && !is_over();) {
         now_us = std::min(now_us + kSlice_us, options.duration_us);
@@ -176,7 +176,7 @@ int main(int count, char** arguments) {
     std::FILE* mission = nullptr;
     if (!open(options.mission, mission, "r+b")) return 2;
     if (!open_mavlink(options)) return 2;
-    if (options.mavlink_count != 0) end_by_signals();
+    end_by_signals();
     board::prepare(options.conditions, mission, truth);
     print(run(options, budgets));
     const bool log_written = close(options.log, board::log_storage.file,

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import signal
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
 from stator.build.cmake import PREEMPTION, build
-from stator.diagnostics import ANSWER_IS_NO, UserError
+from stator.diagnostics import ANSWER_IS_NO, SIGNALLED, UserError
 from stator.flight.arguments import (
     add_flight_arguments,
     complete,
@@ -43,7 +44,6 @@ from stator.flight.params import add_param_argument, param_facts
 from stator.flight.progress import progress
 from stator.flight.report import report
 from stator.flight.restarts import Endings
-from stator.processes import run
 
 if TYPE_CHECKING:
     import subprocess
@@ -95,7 +95,8 @@ def main(arguments: argparse.Namespace) -> int:
         alone(log),
         progress(name, truth, arguments.duration),
     ):
-        finished = _run(program, log, truth, arguments, mission, times)
+        finished, heard = _run(program, log, truth, arguments, mission, times)
+        cut = f"{heard.name} ended the flight early" if heard else cut_of(arguments)
         if finished.returncode not in (0, NOT_WHOLE):
             raise UserError(finished.stderr.rstrip())
         facts = facts_of(
@@ -103,13 +104,15 @@ def main(arguments: argparse.Namespace) -> int:
             log,
             truth,
             mission,
-            cut=cut_of(arguments),
+            cut=cut,
             judges=is_judged(arguments),
             is_guided=bool(arguments.mavlink),
             is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
             setting=setting_of(arguments, mission),
         )
+    if heard and not arguments.mavlink and facts["success"]:  # nothing was judged
+        facts |= {"success": False, "reason": cut}
     facts |= kept_facts(kept) | mission_facts(arguments, mission)
     facts |= param_facts(params) | failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
@@ -120,6 +123,8 @@ def main(arguments: argparse.Namespace) -> int:
         print(json.dumps(facts, indent=2))
     else:
         report(facts)
+    if heard and not arguments.mavlink:  # that is how a flight with a ground station ends
+        return SIGNALLED + heard
     return 0 if facts["success"] else ANSWER_IS_NO
 
 
@@ -130,7 +135,8 @@ def _run(
     arguments: argparse.Namespace,
     mission: Mission | None,
     times: list[str],
-) -> subprocess.CompletedProcess[str]:
+) -> tuple[subprocess.CompletedProcess[str], signal.Signals | None]:
+    """The end of the program, and the signal that asked for it."""
     command = [str(program), "--log", str(log), "--truth", str(truth)]
     command += [*flight_options(arguments), *times, *mavlink_options(arguments)]
     if arguments.speed is not None:
@@ -138,7 +144,6 @@ def _run(
     with memory_of(mission, is_guided=bool(arguments.mavlink)) as memory:
         if memory is not None:
             command += ["--mission", str(memory), *place_options(mission)]
-        if arguments.mavlink:
-            with Endings() as endings:
-                return endings.run(command)
-        return run(command, check=False, capture_output=True)
+        with Endings() as endings:
+            finished = endings.run(command)
+        return finished, signal.Signals(endings.heard) if endings.heard else None

@@ -82,11 +82,13 @@ class Endings:
         return subprocess.CompletedProcess(command, process.returncode, output, errors)
 
     def _hear(self, number: int, _: FrameType | None) -> None:
+        again = self.heard != 0 and number == signal.SIGINT
         self.heard = number
         if number == signal.SIGHUP:
             _leave_closed_terminal()
         if self._process is not None:
-            self._process.send_signal(number)
+            # Ctrl-C once more: it does not end by itself.
+            self._process.send_signal(signal.SIGKILL if again else number)
 
 
 def _leave_closed_terminal() -> None:

@@ -2,7 +2,9 @@
 
 import hashlib
 import json
+import signal
 import subprocess
+import time
 from pathlib import Path
 from typing import Any
 
@@ -168,3 +170,22 @@ def test_budgets_let_time_pass(tmp_path: Path) -> None:
     assert facts["preemptions"] > 10_000
     again = facts_of(fly(graph, "--times", "budget", "--json", "-o", log))
     assert again["log_sha256"] == facts["log_sha256"]
+
+
+def test_an_interrupted_flight_has_a_report_a_log_and_its_status(tmp_path: Path) -> None:
+    log = tmp_path / "flight.ulg"
+    command = [str(ROOT / "stator"), "fly", "--speed", "0.5", "-o", str(log)]
+    pipe = subprocess.PIPE
+    process = subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True)
+    while process.poll() is None and not (log.exists() and log.stat().st_size > 10_000):
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate()
+    assert process.returncode == 128 + signal.SIGINT, errors
+    assert "quad on sitl, seed 1: FAILED" in output
+    assert "SIGINT ended the flight early\n" in output
+    assert f"log       {log} (" in output
+    assert ULog(str(log)).get_dataset("sensor_gyro")
+    facts = json.loads(log.with_suffix(".json").read_text())
+    assert facts["success"] is False
+    assert facts["duration_s"] < 20.0
