@@ -197,7 +197,8 @@ VehicleCommandAck::Result Commander::arm_by_command(const CommanderPorts& ports)
     HealthReport health = health_;
     health.mission_ok = mode_ != Nav::kMission || (ports.result && ports.result->valid);
     const bool is_fit = health.sensors_ok && health.estimator_ok && health.battery_ok &&
-                        health.motors_ok && health.rc_ok && health.logging_ok && health.mission_ok;
+                        health.motors_ok && health.rc_ok && health.logging_ok &&
+                        health.parameters_ok && health.mission_ok;
     const bool throttle_is_safe = !is_flown_by_hand(mode_) || ports.sticks->throttle < kLowThrottle;
     if (!is_fit || !throttle_is_safe) return Result::kTemporarilyRejected;
     // The end of the flight before is not the begin of this one.

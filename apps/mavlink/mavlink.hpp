@@ -6,6 +6,7 @@
 #include "link.hpp"
 #include "mavlink_ports.hpp"
 #include "mission_transfer.hpp"
+#include "parameter_transfer.hpp"
 #include "streams.hpp"
 #include "telemetry.hpp"
 
@@ -78,6 +79,7 @@ class Mavlink {
     std::array<Line, kLinks> lines_;
     Telemetry telemetry_;
     MissionTransfer plans_;
+    ParameterTransfer parameters_;
     mav::Address own_{1, kComponent};
     Pending pending_;
     int32_t reached_ = -1;  // the item that was told last

@@ -29,7 +29,7 @@ bool may_be_armed(const MavlinkPorts& ports) {
     const HealthReport& h = *ports.health;
     const bool flies_mission = ports.status->nav_state == Nav::kMission;
     return h.sensors_ok && h.estimator_ok && h.battery_ok && h.motors_ok && h.rc_ok &&
-           h.logging_ok && (h.mission_ok || !flies_mission);
+           h.logging_ok && h.parameters_ok && (h.mission_ok || !flies_mission);
 }
 
 int32_t degrees_e7(double degrees) {

@@ -83,6 +83,24 @@ ParameterValue answer_about(const ParameterPort& parameters, const ParameterRow&
     return answer;
 }
 
+// What MAVLink's stations ask for under this name, to know whether they know all values: CRC-32,
+// without the inversions before and after, of all ids and values.
+constexpr std::string_view kHash = "_HASH_CHECK";
+
+ParameterValue hash_of(const ParameterPort& parameters) {
+    uint32_t hash = 0;
+    for (const ParameterRow& row : parameters.rows()) {
+        hash = hash_parameter(hash, row.is.id, parameters.value(row));
+    }
+    ParameterValue answer{.result = Result::kRead,
+                          .type = ParameterValue::Type::kInt32,
+                          .index = UINT16_MAX,
+                          .int_value = std::bit_cast<int32_t>(hash)};
+    copy_text(kHash.data(), answer.name);
+    copy_text(kHash.data(), answer.id);
+    return answer;
+}
+
 }  // namespace
 
 void Parameters::step(ParametersPorts& ports) {
@@ -100,9 +118,13 @@ void Parameters::answer(ParametersPorts& ports) {
         const auto place = static_cast<unsigned>(row - ports.parameters.rows().data());
         if (result == Result::kWritten) keeper_.change(ports, place);
     }
+    const bool is_hash =
+        row == nullptr && request.action == Action::kGet && text(request.name) == kHash;
+    if (is_hash) result = Result::kRead;
     ports.value.publish([&] {
-        ParameterValue value =
-            row == nullptr ? ParameterValue{} : answer_about(ports.parameters, *row);
+        ParameterValue value{};
+        if (row != nullptr) value = answer_about(ports.parameters, *row);
+        if (is_hash) value = hash_of(ports.parameters);
         value.requester = static_cast<ParameterValue::Requester>(request.requester);
         value.tag = request.tag;
         value.result = result;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "stator/parameter_hash.hpp"
 #include "stator/parameters.hpp"
 #include "stator/replay.hpp"
 

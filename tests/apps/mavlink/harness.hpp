@@ -5,6 +5,7 @@
 
 #include <deque>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "mavlink.hpp"
@@ -164,21 +165,26 @@ class MavlinkTest : public ::testing::Test {
                            .result = Input(result_),
                            .ack = ack_ ? Input(*ack_) : Input<VehicleCommandAck>(),
                            .downloaded = item_ ? Input(*item_) : Input<MissionItem>(),
+                           .parameter = parameter_ ? Input(*parameter_) : Input<ParameterValue>(),
                            .params = Input(params_, is_first_)};
         Everything<SerialBytes> first(ports.send1, now_us_, Link::kPieces);
         Everything<SerialBytes> second(ports.send2, now_us_, Link::kPieces);
         Everything<VehicleCommand> commands(ports.command, now_us_, 1);
         Everything<MissionUpload> uploads(ports.upload, now_us_, 4);
         Everything<MissionRequest> downloads(ports.download, now_us_, 1);
+        Everything<ParameterRequest> questions(ports.parameter_request, now_us_, 2);
         node_.step(ports);
         is_first_ = false;
         ack_.reset();
         item_.reset();
+        parameter_.reset();
         is_mission_new_ = false;
         EXPECT_EQ(ports.upload.refused() + ports.download.refused(), 0);
         EXPECT_EQ(ports.send1.refused() + ports.send2.refused() + ports.command.refused(), 0);
         hear(stations_[0], first.all());
         hear(stations_[1], second.all());
+        EXPECT_EQ(ports.parameter_request.refused(), 0);
+        for (const ParameterRequest& question : questions.all()) answer(question);
         keep(uploads.all());
         for (const MissionRequest& wanted : downloads.all()) answer(wanted);
         for (const VehicleCommand& command : commands.all()) {
@@ -223,6 +229,44 @@ class MavlinkTest : public ::testing::Test {
             }
         }
     }
+    // As the node with all parameters does.
+    void answer(const ParameterRequest& question) {
+        ++questions_;
+        if (!knows_parameters_) return;
+        std::string name;
+        for (const uint8_t c : question.name) {
+            if (c != 0) name += static_cast<char>(c);
+        }
+        const auto found = name.empty() ? parameters_.begin() + question.index
+                                        : std::ranges::find(parameters_, name, &Parameter::id);
+        using Result = ParameterValue::Result;
+        ParameterValue value{
+            .requester = static_cast<ParameterValue::Requester>(question.requester),
+            .tag = question.tag,
+            .result = Result::kUnknown,
+            .count = static_cast<uint16_t>(parameters_.size())};
+        if (found < parameters_.end()) {
+            Parameter& parameter = *found;
+            value.result = Result::kRead;
+            value.type = parameter.type;
+            value.index = static_cast<uint16_t>(found - parameters_.begin());
+            const bool sets = question.action == ParameterRequest::Action::kSet;
+            const bool is_same =
+                static_cast<int>(question.type) == static_cast<int>(parameter.type);
+            if (sets) value.result = is_same ? Result::kWritten : Result::kWrongType;
+            if (sets && is_same) {
+                parameter.real = question.float_value;
+                parameter.whole = question.int_value;
+            }
+            value.float_value = parameter.real;
+            value.int_value = parameter.whole;
+            for (std::size_t i = 0; i < parameter.id.size(); ++i) {
+                value.id[i] = static_cast<uint8_t>(parameter.id[i]);
+            }
+        }
+        parameter_ = value;
+    }
+
     void answer(const MissionRequest& wanted) {
         const auto list = static_cast<unsigned>(wanted.list);
         ++device_reads_;
@@ -288,6 +332,16 @@ class MavlinkTest : public ::testing::Test {
     bool answers_ = true;  // to commands
     VehicleCommandAck::Result result_of_commands_ = VehicleCommandAck::Result::kAccepted;
     std::vector<VehicleCommand> commands_;
+    struct Parameter {
+        std::string id;
+        ParameterValue::Type type;
+        float real = 0.0F;
+        int32_t whole = 0;
+    };
+    std::vector<Parameter> parameters_;
+    std::optional<ParameterValue> parameter_;
+    unsigned questions_ = 0;
+    bool knows_parameters_ = true;
     std::array<std::vector<MissionItem>, 3> lists_;  // of the mission device
     std::vector<MissionItem> new_items_;
     std::size_t expected_ = 0;

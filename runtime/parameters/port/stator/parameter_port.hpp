@@ -5,6 +5,7 @@
 #include <cstring>
 #include <span>
 
+#include "stator/parameter_hash.hpp"
 #include "stator/parameters.hpp"
 #include "stator/tap.hpp"
 #include "stator/topic.hpp"

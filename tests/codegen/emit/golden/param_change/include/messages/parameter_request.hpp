@@ -36,7 +36,9 @@ struct ParameterRequest {
     uint16_t _padding0{};
     float float_value{};  // To set, if it is a float.
     int32_t int_value{};  // To set, if it is none; of a bool 0 or 1.
-    std::array<uint8_t, 92> name{};  // NODE.PARAMETER or the id, then zeros. All zeros: none.
+    // NODE.PARAMETER or the id, then zeros; _HASH_CHECK: the CRC-32 of all ids and values. All
+    // zeros: none.
+    std::array<uint8_t, 92> name{};
     uint32_t _padding1{};
 };
 static_assert(sizeof(ParameterRequest) == 120);
