@@ -35,29 +35,28 @@ float share_or_zero(float value, float least, float most) {
     return math::is_nan(value) ? 0.0F : math::clamp(value, least, most);
 }
 
-bool is_armed(const AllocationPorts& ports) {
-    return ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
-}
-
 }  // namespace
 
 void Allocation::step(AllocationPorts& ports) {
-    if (!ports.torque) return;
+    if (ports.status) is_armed_ = ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
+    if (!ports.torque && is_armed_) return;
     if (ports.params.is_new()) count_ = configure(rotors_, *ports.params);
 
     std::array<float, kMaxRotors> control;
     control.fill(math::canonical_nan<float>());
-    if (is_armed(ports) && count_ != 0) {
+    if (is_armed_ && count_ != 0) {
         const auto& xyz = ports.torque->xyz;
         const Vector3<float> torque(share_or_zero(xyz[0], -1.0F, 1.0F),
                                     share_or_zero(xyz[1], -1.0F, 1.0F),
                                     share_or_zero(xyz[2], -1.0F, 1.0F));
         const float up = ports.thrust ? share_or_zero(-ports.thrust->xyz[2], 0.0F, 1.0F) : 0.0F;
         rotors_.allocate(torque, up, control);
+        if (ports.motors_left) control = ports.motors_left->control;
     }
     ports.motors.publish([&] {
-        return ActuatorMotors{.timestamp_sample = ports.torque->timestamp_sample,
-                              .control = control};
+        return ActuatorMotors{
+            .timestamp_sample = ports.torque ? ports.torque->timestamp_sample : ports.now,
+            .control = control};
     });
 }
 

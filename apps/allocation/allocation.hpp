@@ -6,7 +6,8 @@
 
 namespace stator::apps::allocation {
 
-// Runs with every torque setpoint. The motors stop (not a number) unless the status says armed, and
+// Runs with every torque setpoint, and with every status so that a disarmed vehicle stops whatever
+// else is silent. The motors stop (not a number) unless the status says armed, and
 // if the rotors of the parameters cannot steer. A thrust that is absent, or a component that is not
 // a number, reads as zero.
 class Allocation {
@@ -15,6 +16,7 @@ class Allocation {
 
   private:
     Rotors rotors_;
+    bool is_armed_ = false;
     unsigned count_ = 0;  // 0: the rotors cannot steer
 };
 

@@ -148,7 +148,7 @@ def budgeted(folder: Path, nodes: list[str]) -> Path:
 
 NODES = [
     *("imu0", "rate_control", "allocation", "motors", "attitude", "attitude_control", "mocap0"),
-    *("position_estimate", "position_control", "sequence", "log_sink", "logger"),
+    *("motor_loss", "position_estimate", "position_control", "sequence", "log_sink", "logger"),
 ]
 
 
