@@ -12,12 +12,17 @@ struct Disagreement {
     Vector velocity_N = Vector::Zero();
     Vector position_N = Vector::Zero();  // down: satellites against the estimate
     float baro = 0.0F;
+    float baro_velocity = 0.0F;  // down
     float heading = 0.0F;
     Vector jump_N = Vector::Zero();
     float heading_jump = 0.0F;
 
     static void follow(float& mean, float innovation, float part) {
         mean += part * (innovation - mean);
+    }
+
+    void follow_jump(const Eigen::Vector2f& receiver_N, float part) {
+        jump_N.head<2>() += part * (receiver_N - jump_N.head<2>());
     }
 
     // Variances to add.

@@ -12,16 +12,17 @@ namespace stator::apps::navigation {
 // While in doubt, velocity and height are not valid, and the filter takes what others measure.
 class Doubt {
   public:
-    // In flight. The motors' mean command; force along -z of B.
+    // In flight. The sum of the motors' commands; force along -z of B.
     void update(float command, float lift, float dt) {
         thrust_ += (command - thrust_) * dt / (kRotorLag_s + dt);
         lift_ += (lift - lift_) * dt / (kShake_s + dt);
         const bool lacks = learned_s_ >= kKnows_s &&
                            ratio_ * thrust_ - lift_ > math::max(kLacks, kShare * ratio_ * thrust_);
         lacks_for_s_ = lacks ? math::min(lacks_for_s_ + dt, kLasts_s) : 0.0F;
-        if (lacks_for_s_ >= kLasts_s) left_s_ = kClears_s;
+        const bool goes_on = now() && math::abs(ratio_ * thrust_ - lift_) > kDiffers;
+        if (lacks_for_s_ >= kLasts_s || goes_on) left_s_ = kClears_s;
         left_s_ = math::max(left_s_ - dt, 0.0F);
-        if (lacks || thrust_ < kTells) return;
+        if (lacks || now() || thrust_ < kTells) return;
         learned_s_ = math::min(learned_s_ + dt, kLearns_s);
         ratio_ += (lift_ / thrust_ - ratio_) * dt / learned_s_;
     }
@@ -29,13 +30,16 @@ class Doubt {
     void reset() { *this = Doubt(); }
 
     bool now() const { return left_s_ > 0.0F; }
+    // Force that the commands explain, in B.
+    Vector expected() const { return {0.0F, 0.0F, -ratio_ * thrust_}; }
 
   private:
     static constexpr float kRotorLag_s = 0.03F;
     static constexpr float kShake_s = 0.02F;
-    static constexpr float kTells = 0.2F;   // less thrust says little
-    static constexpr float kLacks = 5.0F;   // m/s^2
-    static constexpr float kShare = 0.65F;  // a storm through tilted rotors takes half of it
+    static constexpr float kTells = 0.8F;    // less thrust says little
+    static constexpr float kLacks = 5.0F;    // m/s^2
+    static constexpr float kShare = 0.65F;   // a storm through tilted rotors takes half of it
+    static constexpr float kDiffers = 2.5F;  // m/s^2, of an accelerometer that is still wrong
     static constexpr float kLasts_s = 0.04F;
     static constexpr float kLearns_s = 5.0F;  // a battery sags more slowly
     static constexpr float kKnows_s = 1.0F;

@@ -7,6 +7,7 @@ namespace {
 
 constexpr float kLargestAccelBias = 1.5F;  // m/s^2
 constexpr float kLargestGyroBias = 0.2F;   // rad/s
+constexpr float kNearly = 0.95F;           // of these
 
 // A step longer than this spans a gap between samples, in which the vehicle moved unseen:
 // it turned and accelerated otherwise by about this much.
@@ -69,9 +70,12 @@ bool Filter::is_finite() const {
     return math::is_finite(sum);
 }
 
+bool Filter::has_impossible_accel_bias() const {
+    return bias_.accel.cwiseAbs().maxCoeff() > kNearly * kLargestAccelBias;
+}
+
 bool Filter::has_impossible_bias() const {
-    constexpr float kNearly = 0.95F;
-    return bias_.accel.cwiseAbs().maxCoeff() > kNearly * kLargestAccelBias ||
+    return has_impossible_accel_bias() ||
            bias_.gyro.cwiseAbs().maxCoeff() > kNearly * kLargestGyroBias;
 }
 

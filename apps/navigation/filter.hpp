@@ -41,6 +41,7 @@ class Filter {
     // A bias has reached what no sensor in order has: something else is wrong, and the tilt with
     // it.
     bool has_impossible_bias() const;
+    bool has_impossible_accel_bias() const;
 
     // At rest at the origin, with this attitude and this uncertainty of its tilt.
     void start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance,

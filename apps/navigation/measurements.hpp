@@ -20,6 +20,13 @@ struct GnssMeasurement {
     bool has_height = false;
 };
 
+// Of a receiver whose velocity and positions differ by this, squared: either may be wrong.
+inline float inconsistency_variance(float squared) {
+    constexpr float kShare = 0.7F;
+    constexpr float kUsual = 0.8F;  // m/s, by the noise of its positions
+    return math::square(kShare) * math::max(squared - math::square(kUsual), 0.0F);
+}
+
 struct BaroMeasurement {
     uint64_t time_us = 0;
     float height = 0.0F;  // m, in the standard atmosphere

@@ -10,7 +10,11 @@ constexpr double kElsewhere = 1000.0;  // m
 // So many equal samples come from a part that is stuck.
 constexpr unsigned kFrozenImu = 100;
 constexpr unsigned kFrozenBaro = 50;
+// Of one axis: it turns faster than the gyro can measure.
+constexpr unsigned kClippedGyro = 30;
 constexpr unsigned kFrozenGnss = 3;
+// Without IMU samples for so long, nothing is known.
+constexpr uint64_t kSilent_us = 100'000;
 // A longer gap between IMU samples cannot be integrated across.
 constexpr float kLongestGap = 2.0F;  // s
 // The magnetometer and the barometer are thinned to this: more costs time and tells little.
@@ -30,16 +34,11 @@ bool is_finite(const Vector& v) {
     return math::is_finite(v.squaredNorm());
 }
 
-// Of the motors that turn.
-float mean_command(const ActuatorMotors& motors) {
+// Of all motors: one that stands still gives nothing.
+float sum_of_commands(const ActuatorMotors& motors) {
     float sum = 0.0F;
-    float count = 0.0F;
-    for (const float control : motors.control) {
-        if (!math::is_finite(control)) continue;
-        sum += control;
-        count += 1.0F;
-    }
-    return count > 0.0F ? sum / count : 0.0F;
+    for (const float control : motors.control) sum += math::is_finite(control) ? control : 0.0F;
+    return sum;
 }
 
 // A variance from what the receiver says of its error.
@@ -54,17 +53,30 @@ void Navigation::step(NavigationPorts& ports) {
     if (ports.status)
         disarmed_ = ports.status->arming_state == VehicleStatus::ArmingState::kDisarmed;
     flies_ = ports.land && !ports.land->landed && !disarmed_ && ports.motors;
-    if (ports.motors) command_ = mean_command(*ports.motors);
-    if (disarmed_) disagreement_.jump_N.setZero();
+    if (ports.motors) command_ = sum_of_commands(*ports.motors);
+    if (disarmed_) {
+        disagreement_.jump_N.setZero();
+        receiver_jump_N_.setZero();
+    }
+    now_us_ = ports.now;
     const bool moved_on = read_imu(ports);
     if (!started_) return;
-    while (ports.gnss.next()) read_gnss(*ports.gnss, params);
+    while (ports.gnss.next()) {
+        if (is_of_the_past(ports.gnss->timestamp_sample)) read_gnss(*ports.gnss, params);
+    }
     const float thrust = ports.thrust ? -ports.thrust->xyz[2] : 0.0F;
     const float wash = params.baro_wash * (math::is_finite(thrust) ? thrust : 0.0F);
-    while (ports.baro.next()) read_baro(*ports.baro, wash);
-    while (ports.mag.next()) read_mag(*ports.mag);
+    while (ports.baro.next()) {
+        if (is_of_the_past(ports.baro->timestamp_sample)) read_baro(*ports.baro, wash);
+    }
+    while (ports.mag.next()) {
+        if (is_of_the_past(ports.mag->timestamp_sample)) read_mag(*ports.mag);
+    }
     work(params);
-    if (moved_on) publish(ports);
+    if (moved_on)
+        publish(ports);
+    else if (ports.now > imu_us_ + kSilent_us)
+        publish_lost(ports);
     if (measured_) publish_state(ports);
     measured_ = false;
 }
@@ -82,6 +94,10 @@ bool Navigation::read_imu(NavigationPorts& ports) {
             if (!is_finite(force_B)) continue;
             accel_us_ = ports.accel->timestamp_sample;
             queued_force_B_ = force_B;
+        }
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            if (clipped_gyro_[axis].update(rate_B(axis), kClippedGyro) && flies_)
+                clipped_us_ = time_us;
         }
         if (accel_us_ == 0 || time_us <= imu_us_ || !is_finite(rate_B)) continue;
         add_imu(time_us, rate_B, *ports.params);
@@ -116,16 +132,29 @@ void Navigation::add_imu(uint64_t time_us, const Vector& rate_B, const Navigatio
         doubt_.update(command_, -force.z(), dt);
     else
         doubt_.reset();
-    window_.add(rate, force, dt);
+    if (flies_ && filter_.has_impossible_accel_bias()) doubt_.agreed();
+    // Commands say better what is felt than an accelerometer that cannot be right.
+    window_.add(rate, doubt_.now() ? doubt_.expected() : force, dt);
     if (window_.open_time() + 0.5F * dt < params.step_time) return;
     if (window_.full()) predict(params, true);
     window_.close(time_us, filter_.bias());
 }
 
 void Navigation::start(const NavigationParams& params) {
-    constexpr float kUnknownHeading = 3.2F;  // rad^2, of a heading that may be any
+    constexpr float kUnknownHeading = 3.2F;   // rad^2, of a heading that may be any
+    constexpr float kLostPosition = 2500.0F;  // m^2
+    constexpr float kLostVelocity = 100.0F;   // m^2/s^2
+    const Vector before_N = filter_.kinematics().position_N;
     filter_.start(imu_us_, alignment_.attitude(), alignment_.tilt_variance(), kUnknownHeading,
                   params);
+    if (was_started_) {
+        // In flight it may have gone anywhere meanwhile, and fast.
+        filter_.set_horizontal_position(before_N.head<2>(), kLostPosition);
+        filter_.set_down(before_N.z(), kLostPosition);
+        filter_.set_horizontal_velocity(Eigen::Vector2f::Zero(), kLostVelocity);
+        filter_.set_vertical_velocity(0.0F, kLostVelocity);
+    }
+    was_started_ = true;
     window_.restart(imu_us_, filter_.bias());
     alignment_ = Alignment();
     velocity_aid_ = position_aid_ = height_aid_ = heading_aid_ = Aid();

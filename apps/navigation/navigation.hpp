@@ -37,6 +37,8 @@ class Navigation {
     };
 
     // Inputs.
+    // Nothing was measured later than now: such a clock is wrong.
+    bool is_of_the_past(uint64_t time_us) const { return time_us <= now_us_ + kClock_us; }
     void read_gnss(const SensorGps& fix, const NavigationParams& params);
     void read_baro(const SensorBaro& sample, float wash);  // Pa, of the rotors
     void read_mag(const SensorMag& sample);
@@ -73,6 +75,8 @@ class Navigation {
     void smooth(const Kinematics& before, const Kinematics& after);
     Kinematics output() const;
     void publish(NavigationPorts& ports);
+    float vertical_disagreement() const;
+    void publish_lost(NavigationPorts& ports) const;
     VehicleLocalPosition local_position(const Kinematics& now,
                                         const NavigationParams& params) const;
     void publish_state(NavigationPorts& ports) const;
@@ -81,12 +85,15 @@ class Navigation {
     MotionWindow window_;
     Alignment alignment_;
     bool started_ = false;
+    bool was_started_ = false;  // once
 
     DelayedMeasurements<GnssMeasurement, 8> gnss_;
     DelayedMeasurements<BaroMeasurement, 16> baro_;
     DelayedMeasurements<MagMeasurement, 16> mag_;
     uint32_t late_ = 0;
 
+    static constexpr uint64_t kClock_us = 20'000;
+    uint64_t now_us_ = 0;
     // The newest IMU sample.
     uint64_t imu_us_ = 0;
     uint64_t accel_us_ = 0;
@@ -96,7 +103,7 @@ class Navigation {
     float rest_s_ = 0.0F;  // for how long it has been still
     bool disarmed_ = false;
     bool flies_ = false;    // for certain
-    float command_ = 0.0F;  // the motors' mean
+    float command_ = 0.0F;  // the motors' sum
 
     // What the fusion goes on with in the next activation.
     unsigned gnss_next_ = 0;
@@ -116,7 +123,13 @@ class Navigation {
     Disagreement disagreement_;
     // What the receiver's velocity differs by from how its positions change, low-passed.
     Vector inconsistency_N_ = Vector::Zero();
+    Vector contradiction_N_ = Vector::Zero();  // the same, of which jumps are a small part
     Vector last_fix_N_ = Vector::Zero();
+    Vector last_fix_velocity_N_ = Vector::Zero();
+    double last_fix_height_ = 0.0;
+    float drifts_for_s_ = 0.0F;
+    // Where the receiver went without a velocity that explains it.
+    Eigen::Vector2f receiver_jump_N_ = Eigen::Vector2f::Zero();
     uint64_t last_fix_us_ = 0;
     static constexpr float kProven_s = 5.0F;
     float proven_s_ = 0.0F;  // of flight in which satellites agreed with the heading
@@ -127,6 +140,8 @@ class Navigation {
     bool gnss_height_fits_ = false;
     bool baro_has_failed_ = false;
     Frozen frozen_gyro_;
+    std::array<Frozen, 3> clipped_gyro_;
+    uint64_t clipped_us_ = 0;  // when last
     Frozen frozen_gnss_;
     Frozen frozen_baro_;
 

@@ -18,10 +18,13 @@ constexpr float kFlightVariance = 9.0F;
 constexpr float kWithoutBaro = 1.0F;  // s
 // Of a receiver's positions and velocities.
 constexpr float kLongestFixGap = 1.0F;     // s
-constexpr float kComparing = 1.0F;         // s
+constexpr float kComparing = 2.0F;         // s
 constexpr float kConsistent = 1.5F;        // m/s
 constexpr float kHeadingSuspected = 1.5F;  // s
 constexpr float kWitnessAgrees = 0.5F;     // m/s
+constexpr float kJumps = 3.0F;             // m, between two fixes
+constexpr float kDrifts = 0.9F;            // s
+constexpr float kMostOfJump = 1.5F;        // m
 constexpr float kWitness = 0.5F;           // s of velocities that were left out
 // Parts of an innovation: about 1, 2 and 3 s of fixes, and 1 s of the others.
 constexpr float kFollowVelocity = 0.17F;
@@ -112,16 +115,27 @@ void Navigation::compare(const GnssMeasurement& fix) {
     const float dt = static_cast<float>(fix.time_us - last_fix_us_) * 1e-6F;
     const bool is_next = last_fix_us_ != 0 && dt > 0.0F && dt < kLongestFixGap;
     if (is_next && fix.has_velocity) {
-        Vector difference = (fix.position_N - last_fix_N_) / dt - fix.velocity_N;
-        difference.z() = 0.0F;  // not measured this way
-        inconsistency_N_ += (difference - inconsistency_N_) * (dt / (kComparing + dt));
+        const Vector travelled_N = (fix.velocity_N + last_fix_velocity_N_) * (0.5F * dt);
+        Vector jump_N = fix.position_N - last_fix_N_ - travelled_N;
+        jump_N.z() += static_cast<float>(last_fix_height_ - fix.height);
+        if (!fix.has_height) jump_N.z() = 0.0F;
+        inconsistency_N_ += (jump_N - inconsistency_N_ * dt) / (kComparing + dt);
+        // One jump says nothing against the velocity; many do.
+        const Vector part_N = jump_N.cwiseMin(kMostOfJump).cwiseMax(-kMostOfJump);
+        contradiction_N_ += (part_N - contradiction_N_ * dt) / (kComparing + dt);
+        const bool drifts = inconsistency_variance(contradiction_N_.head<2>().squaredNorm()) > 0.0F;
+        drifts_for_s_ = drifts ? drifts_for_s_ + dt : 0.0F;
+        const bool jumps = jump_N.head<2>().squaredNorm() > math::square(kJumps);
+        if (jumps || drifts_for_s_ > kDrifts) receiver_jump_N_ += jump_N.head<2>();
     }
     last_fix_N_ = fix.position_N;
+    last_fix_height_ = fix.height;
+    last_fix_velocity_N_ = fix.velocity_N;
     last_fix_us_ = fix.time_us;
 }
 
 bool Navigation::receiver_is_consistent() const {
-    return inconsistency_N_.squaredNorm() < math::square(kConsistent);
+    return inconsistency_N_.head<2>().squaredNorm() < math::square(kConsistent);
 }
 
 // For how long satellites have contradicted the estimate, with short breaks.
@@ -138,8 +152,11 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
         filter_.kinematics().velocity_N - filter_.acceleration_N() * age(fix.time_us);
     const Vector difference = fix.velocity_N - expected;
     const float innovation = difference(axis);
-    const Fusion done = filter_.fuse(observation_of(kVelocity + axis), innovation,
-                                     fix.velocity_variance, params.gate);
+    const float contradiction =
+        axis == 2 ? math::square(contradiction_N_.z()) : contradiction_N_.head<2>().squaredNorm();
+    const float variance = fix.velocity_variance + inconsistency_variance(contradiction);
+    const Fusion done =
+        filter_.fuse(observation_of(kVelocity + axis), innovation, variance, params.gate);
     Disagreement::follow(disagreement_.velocity_N(axis), innovation, kFollowVelocity);
     ratios_.vel_test_ratio =
         axis == 0 ? done.test_ratio : math::max(ratios_.vel_test_ratio, done.test_ratio);
@@ -158,7 +175,7 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
     const bool late = velocity_aid_.note(fused, fix.time_us, params.reset_timeout);
     // Positions that move as the velocity says are a second witness against the inertial solution.
     const bool agreed = velocity_aid_.refused_for(fix.time_us) > kWitness &&
-                        inconsistency_N_.squaredNorm() < math::square(kWitnessAgrees) &&
+                        inconsistency_N_.head<2>().squaredNorm() < math::square(kWitnessAgrees) &&
                         proven_s_ >= kProven_s;
     if (!late && !agreed && !first) return;
     if (late && !first && !receiver_is_consistent()) return;  // it contradicts itself
@@ -208,6 +225,8 @@ void Navigation::fuse_position(unsigned axis, const GnssMeasurement& fix,
     }
     const bool first = !position_aid_.started();
     const bool fused = !first && north_fused_ && done.fused();
+    // What is fused takes the estimate to where the receiver went.
+    if (fused) disagreement_.follow_jump(receiver_jump_N_, kFollowPosition);
     if (!position_aid_.note(fused, fix.time_us, params.reset_timeout) && !first) return;
     if (!first) disagreement_.jump_N.head<2>() += difference.head<2>();
     const Vector now = fix.position_N + filter_.kinematics().velocity_N * age(fix.time_us);
@@ -250,7 +269,8 @@ bool Navigation::barometer_drifts() const {
     constexpr float kVelocity = 0.2F;  // m/s
     const float height = disagreement_.position_N.z();
     const float velocity = disagreement_.velocity_N.z();
-    return flies_ && math::abs(height) > kHeight && math::abs(velocity) > kVelocity &&
+    return flies_ && math::abs(inconsistency_N_.z()) < kWitnessAgrees &&
+           math::abs(height) > kHeight && math::abs(velocity) > kVelocity &&
            height * velocity > 0.0F;
 }
 
@@ -263,6 +283,9 @@ bool Navigation::fuse_baro(const NavigationParams& params) {
     const float height =
         -(at.position_N.z() - at.velocity_N.z() * age(sample.time_us)) + filter_.baro_offset();
     baro_rate_.add(sample.time_us, sample.height);
+    if (baro_rate_.known())
+        Disagreement::follow(disagreement_.baro_velocity, -baro_rate_.value() - at.velocity_N.z(),
+                             kFollowBaro);
     if (!has_baro_reference_) baro_reference_ = sample.height - height;
     has_baro_reference_ = true;
     const float innovation = sample.height - baro_reference_ - height;

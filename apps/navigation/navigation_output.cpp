@@ -52,12 +52,29 @@ void Navigation::publish(NavigationPorts& ports) {
     });
 }
 
+void Navigation::publish_lost(NavigationPorts& ports) const {
+    VehicleLocalPosition lost = local_position(output(), *ports.params);
+    lost.xy_valid = lost.z_valid = lost.v_xy_valid = lost.v_z_valid = false;
+    lost.heading_good_for_control = false;
+    ports.position.publish([&] { return lost; });
+}
+
+// Satellites and barometer both show how fast it sinks: one of them that agrees is enough.
+float Navigation::vertical_disagreement() const {
+    const float satellites = disagreement_.vertical_velocity() +
+                             inconsistency_variance(math::square(contradiction_N_.z()));
+    if (baro_has_failed_ || !baro_rate_.known()) return satellites;
+    return math::min(satellites, math::square(disagreement_.baro_velocity));
+}
+
 // A magnetometer's error that appears in flight is the magnetometer's, or the heading's.
 float Navigation::nose_variance() const {
     const float moved = math::wrap_pi(filter_.mag_offset() - proven_mag_offset_);
     // A field that dips turns by twice the tilt's error.
-    constexpr float kThroughTilt = 0.5F;  // rad
-    const float tilted = filter_.has_impossible_bias() ? kThroughTilt : 0.0F;
+    constexpr float kThroughTilt = 0.5F;        // rad
+    constexpr uint64_t kFinds_us = 10'000'000;  // the time to find it again
+    const bool clipped = clipped_us_ != 0 && imu_us_ - clipped_us_ < kFinds_us;
+    const float tilted = filter_.has_impossible_bias() || clipped ? kThroughTilt : 0.0F;
     return filter_.variance(kHeading) + disagreement_.nose() + math::square(moved) +
            math::square(tilted);
 }
@@ -91,12 +108,15 @@ VehicleLocalPosition Navigation::local_position(const Kinematics& now,
     const Disagreement& d = disagreement_;
     result.eph = deviation(position + d.level_position(), params.gnss_slow_error);
     result.epv = deviation(variance(kPosition + 2) + d.height(), params.baro_slow_error);
-    result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1) + d.level_velocity());
-    result.evv = deviation(variance(kVelocity + 2) + d.vertical_velocity());
+    result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1) + d.level_velocity() +
+                           inconsistency_variance(contradiction_N_.head<2>().squaredNorm()));
+    result.evv = deviation(variance(kVelocity + 2) + vertical_disagreement());
     result.xy_valid = position_aided && result.eph < kGoodPosition;
     result.z_valid = height_aided && result.epv < kGoodHeight;
     result.v_xy_valid = (velocity_aided || position_aided) && result.evh < kGoodLevelVelocity;
-    result.v_z_valid = result.z_valid && result.evv < kGoodVelocity && !doubt_.now();
+    // Satellites know how fast it sinks where the barometer has lost the height.
+    result.v_z_valid =
+        (height_aided || velocity_aided) && result.evv < kGoodVelocity && !doubt_.now();
     result.xy_global = has_origin_;
     result.z_global = has_origin_height_;
     result.heading_good_for_control = nose_variance() < math::square(kGoodHeading);

@@ -113,6 +113,68 @@ TEST(Navigation, FindsTheHeadingWithoutAMagnetometer) {
     EXPECT_TRUE(rig.position.heading_good_for_control);
 }
 
+// Some receivers say 0 deg, 0 deg before they know.
+TEST(Navigation, AFirstFixAtZeroZeroIsNone) {
+    NavigationRig rig;
+    rig.is_nowhere = true;
+    rig.run(5);
+    EXPECT_FALSE(rig.position.xy_global);
+    EXPECT_FALSE(rig.position.xy_valid);
+    rig.is_nowhere = false;
+    rig.run(15);
+    EXPECT_TRUE(rig.position.xy_valid);
+    EXPECT_NEAR(rig.position.ref_lat, 47.4, 2e-5);
+    EXPECT_LT(rig.position_error().norm(), 0.8);
+}
+
+// A clock that runs ahead: what was measured later than now was not measured then.
+TEST(Navigation, AFixFromTheFutureIsLeftOut) {
+    NavigationRig rig = flying();
+    rig.run(20);
+    rig.fixes_ahead_us = 900'000;
+    rig.run(20);
+    EXPECT_FALSE(rig.position.xy_valid);
+    EXPECT_LT(rig.tilt_error(), 3 * kDegree);
+}
+
+// Without IMU samples nothing is known, and that is said.
+TEST(Navigation, ASilentImuIsSaid) {
+    NavigationRig rig;
+    rig.run(10);
+    EXPECT_TRUE(rig.position.xy_valid && rig.position.z_valid && rig.position.v_z_valid);
+    rig.has_imu = false;
+    rig.run(0.3);
+    EXPECT_FALSE(rig.position.xy_valid || rig.position.z_valid || rig.position.v_z_valid ||
+                 rig.position.v_xy_valid || rig.position.heading_good_for_control);
+    rig.has_imu = true;
+    rig.run(1);
+    EXPECT_TRUE(rig.position.xy_valid && rig.position.z_valid && rig.position.v_z_valid);
+}
+
+// A receiver whose velocity is not how its positions change: the estimate says that it is unsure.
+TEST(Navigation, AReceiverThatContradictsItselfIsDoubted) {
+    NavigationRig rig;
+    rig.run(20);
+    const float sure = rig.position.evh;
+    rig.velocity_error_N = {0, 2.5, 0};
+    rig.run(4);
+    EXPECT_GT(rig.position.evh, 3 * sure);
+    EXPECT_LT(rig.velocity_error().head<2>().norm(), 5 * static_cast<double>(rig.position.evh));
+}
+
+// A position that jumps by less than the gate is followed; the error that is said grows with it.
+TEST(Navigation, AJumpThatIsFollowedIsInTheErrorThatIsSaid) {
+    NavigationRig rig;
+    rig.params.gnss_position_noise = 4.0F;
+    rig.run(20);
+    rig.glitch_N = {15, 0, 0};
+    rig.run(40);
+    EXPECT_GT(rig.position.eph, 4.0F);
+    rig.glitch_N = {0, 0, 0};
+    rig.run(60);
+    EXPECT_LT(rig.position.eph, 3.0F);
+}
+
 // Without acceleration nothing shows the heading but the magnetometer, whatever the noise.
 TEST(Navigation, LearnsNoHeadingFromNoise) {
     NavigationRig rig;

@@ -31,6 +31,10 @@ class NavigationRig {
     bool has_mag = true;
     bool has_baro = true;
     Vector3 glitch_N{0, 0, 0};  // m
+    Vector3 velocity_error_N{0, 0, 0};
+    bool is_nowhere = false;  // fixes at 0 deg, 0 deg
+    uint64_t fixes_ahead_us = 0;
+    bool has_imu = true;
     // Motion: amplitudes of a figure of eight, and how high.
     double amplitude = 0;     // m
     double pulse = 0.8;       // rad/s
@@ -163,18 +167,27 @@ class NavigationRig {
             .xyz = to_floats(force + accel_bias + noise(accel_density * spread))};
         if (has_gnss && now_us % 200'000 == 0) on_the_way_.push_back(fix_now());
         const bool arrives =
-            !on_the_way_.empty() && on_the_way_.front().timestamp_sample + gnss_delay_us <= now_us;
+            !on_the_way_.empty() &&
+            on_the_way_.front().timestamp_sample + gnss_delay_us <= now_us + fixes_ahead_us;
         const SensorGps fix = arrives ? on_the_way_.front() : SensorGps{};
         if (arrives) on_the_way_.pop_front();
         const SensorBaro baro = baro_now();
         const SensorMag mag = mag_now();
-        activate(gyro, accel, arrives ? &fix : nullptr,
-                 has_baro && now_us % 40'000 == 0 ? &baro : nullptr,
+        activate(has_imu ? gyro : last_gyro_, has_imu ? accel : last_accel_,
+                 arrives ? &fix : nullptr, has_baro && now_us % 40'000 == 0 ? &baro : nullptr,
                  has_mag && now_us % 40'000 == 0 ? &mag : nullptr);
+        if (!has_imu) return;
+        last_gyro_ = gyro;
+        last_accel_ = accel;
     }
 
     SensorGps fix_now() {
         const Vector3 error = noise(gnss_position_noise);
+        if (is_nowhere)
+            return {.timestamp_sample = now_us,
+                    .eph = 0.5F,
+                    .epv = 2.0F,
+                    .fix_type = SensorGps::FixType::kFix3d};
         if (!has_fix_) {
             first_fix_error_ = truth_position() + error;
             first_fix_error_.z() = 0;
@@ -182,8 +195,9 @@ class NavigationRig {
         has_fix_ = true;
         const Vector3 at = truth_position() + error + glitch_N;
         const auto place = earth_.from_local({at.x(), at.y()});
-        const auto velocity = to_floats(truth_velocity() + noise(gnss_velocity_noise));
-        return {.timestamp_sample = now_us,
+        const auto velocity =
+            to_floats(truth_velocity() + velocity_error_N + noise(gnss_velocity_noise));
+        return {.timestamp_sample = now_us + fixes_ahead_us,
                 .latitude_deg = place.latitude_deg,
                 .longitude_deg = place.longitude_deg,
                 .altitude_msl_m = 500 - at.z(),
@@ -218,6 +232,8 @@ class NavigationRig {
     math::Random random_;
     math::LocalFrame earth_{{47.4, 8.5}};
     std::deque<SensorGps> on_the_way_;
+    SensorGyro last_gyro_{};
+    SensorAccel last_accel_{};
     Vector3 first_fix_error_ = Vector3::Zero();
     bool has_fix_ = false;
 };

@@ -1,0 +1,81 @@
+// Whether the accelerometer is believed.
+#include "doubt.hpp"
+
+#include <gtest/gtest.h>
+
+namespace stator::apps::navigation {
+namespace {
+
+constexpr float kStep = 0.001F;
+constexpr float kHover = 2.13F;  // four motors' commands
+constexpr float kGravity = 9.81F;
+
+void fly(Doubt& doubt, float command, float lift, float seconds) {
+    for (float t = 0.0F; t < seconds; t += kStep) doubt.update(command, lift, kStep);
+}
+
+Doubt after_a_hover() {
+    Doubt doubt;
+    fly(doubt, kHover, kGravity, 3.0F);
+    return doubt;
+}
+
+TEST(Doubt, HasNoneWhereForceFollowsTheCommands) {
+    Doubt doubt = after_a_hover();
+    for (const float part : {1.0F, 1.5F, 0.6F, 1.8F}) {
+        fly(doubt, part * kHover, part * kGravity, 1.0F);
+        EXPECT_FALSE(doubt.now()) << part;
+    }
+}
+
+TEST(Doubt, KnowsNothingBeforeItHasLearned) {
+    Doubt doubt;
+    fly(doubt, kHover, 0.0F, 0.5F);
+    EXPECT_FALSE(doubt.now());
+}
+
+TEST(Doubt, BeginsSoonAfterMostOfTheForceIsMissing) {
+    Doubt doubt = after_a_hover();
+    fly(doubt, kHover, 0.0F, 0.03F);
+    EXPECT_FALSE(doubt.now());
+    fly(doubt, kHover, 0.0F, 0.1F);
+    EXPECT_TRUE(doubt.now());
+}
+
+TEST(Doubt, LastsWhileTheForceStaysWrongAndThenClears) {
+    Doubt doubt = after_a_hover();
+    doubt.agreed();
+    fly(doubt, kHover, 2.0F * kGravity, 5.0F);
+    EXPECT_TRUE(doubt.now());
+    fly(doubt, kHover, kGravity, 0.3F);
+    EXPECT_TRUE(doubt.now());
+    fly(doubt, kHover, kGravity, 0.5F);
+    EXPECT_FALSE(doubt.now());
+}
+
+TEST(Doubt, ClearsByItselfWhereTheForceIsRight) {
+    Doubt doubt = after_a_hover();
+    doubt.agreed();
+    fly(doubt, kHover, kGravity, 0.6F);
+    EXPECT_FALSE(doubt.now());
+}
+
+// It is the commands that say what is felt then; what is felt wrongly is not learned.
+TEST(Doubt, ExpectsWhatTheCommandsExplain) {
+    Doubt doubt = after_a_hover();
+    doubt.agreed();
+    fly(doubt, kHover, 2.0F * kGravity, 5.0F);
+    EXPECT_NEAR(doubt.expected().z(), -kGravity, 0.1F);
+    fly(doubt, 0.5F * kHover, 2.0F * kGravity, 1.0F);
+    EXPECT_NEAR(doubt.expected().z(), -0.5F * kGravity, 0.1F);
+}
+
+TEST(Doubt, IsGoneAfterAReset) {
+    Doubt doubt = after_a_hover();
+    doubt.agreed();
+    doubt.reset();
+    EXPECT_FALSE(doubt.now());
+}
+
+}  // namespace
+}  // namespace stator::apps::navigation
