@@ -15,6 +15,8 @@ using Switch = ManualControlSwitches;
 constexpr float kShortestStep = 1e-3F;
 constexpr float kLongestStep = 1.0F;
 constexpr float kLowThrottle = -0.9F;
+constexpr float kMoves = 0.2F;     // m/s, less than any descent
+constexpr float kStands_s = 5.0F;  // without that
 
 bool knows_height(const CommanderPorts& ports) {
     return ports.position && ports.position->z_valid && ports.position->v_z_valid &&
@@ -42,6 +44,10 @@ bool hears_motors(const CommanderPorts& ports) {
     if (!ports.escs) return true;
     const unsigned all = (1U << std::min<unsigned>(ports.escs->esc_count, 16)) - 1;
     return (ports.escs->esc_online_flags & all) == all;
+}
+
+bool has_lost_a_motor(const CommanderPorts& ports) {
+    return !hears_motors(ports) || (ports.failure && ports.failure->motor_failure_mask != 0);
 }
 
 bool is_outside_fence(const CommanderPorts& ports) {
@@ -120,7 +126,7 @@ void Commander::take_events(const CommanderPorts& ports, float dt) {
         height_is_gone_.update(!knows_height(ports), dt, params.position_timeout));
     set(FailsafeEvent::kPositionLost,
         position_is_gone_.update(!knows_position(ports), dt, params.position_timeout));
-    set(FailsafeEvent::kMotorLost, !hears_motors(ports));
+    set(FailsafeEvent::kMotorLost, has_lost_a_motor(ports));
     set(FailsafeEvent::kRcLost, pilot_is_gone_.update(!hears_pilot(ports), dt, params.rc_timeout));
     set(FailsafeEvent::kGeofence, is_outside_fence(ports));
     set(FailsafeEvent::kMissionLost, !ports.result || !ports.result->valid);
@@ -282,7 +288,11 @@ void Commander::disarm_where_due(const CommanderPorts& ports, float dt) {
         stands_.update(landed && has_flown_ && comes_down, dt, params.disarm_after);
     const bool waits_in_vain = idles_.update(landed, dt, params.idle_limit);
     const float blind_limit = params.blind_margin + math::max(height_, 0.0F) / params.blind_sink;
-    const bool is_down_by_now = blind_for_s_ >= blind_limit;
+    // What is seen to move up or down is not there yet.
+    const bool moves =
+        ports.position && ports.position->v_z_valid && math::abs(ports.position->vz) > kMoves;
+    moved_s_ = moves ? 0.0F : moved_s_ + dt;
+    const bool is_down_by_now = blind_for_s_ >= blind_limit && moved_s_ >= kStands_s;
     if (has_landed || waits_in_vain || is_down_by_now || mode_ == Nav::kTermination) disarm();
 }
 

@@ -48,6 +48,7 @@ class Commander {
     bool is_on_ground_ = true;  // for certain
     float height_ = 0.0F;       // above home, when it was known last
     float blind_for_s_ = 0.0F;
+    float moved_s_ = 0.0F;  // since it was last seen to move up or down
     Nav mode_ = Nav::kHold;
     Nav wish_ = Nav::kHold;  // of the mode switch
     VehicleStatus::FailsafeEvent failsafe_ = VehicleStatus::FailsafeEvent::kNone;

@@ -20,11 +20,18 @@ constexpr float kFalling = 2.0F;  // m/s^2
 // Blind: an impact counts for longer, and then everything must be quiet.
 constexpr float kHitCounts_s = 2.0F;
 constexpr float kFastestBlind = 3.0F;  // m/s
+constexpr float kHigh = 6.0F;          // m, more than a height is off by
 constexpr float kQuiet_s = 0.5F;
 constexpr float kQuietRate = 0.3F;  // rad/s
+constexpr float kCarried = 0.4F;    // of the weight
+constexpr float kCarried_s = 5.0F;
 
 bool knows_height(const LandDetectorPorts& ports) {
     return ports.position && ports.position->z_valid && ports.position->v_z_valid;
+}
+
+bool knows_speed(const LandDetectorPorts& ports) {
+    return ports.position && ports.position->v_z_valid;
 }
 
 float thrust_of(const LandDetectorPorts& ports) {
@@ -67,13 +74,14 @@ void LandDetector::take_forces(const LandDetectorPorts& ports, float dt) {
 bool LandDetector::has_touched_down(const LandDetectorPorts& ports, float dt) {
     const LandDetectorParams& params = *ports.params;
     since_impact_s_ = math::min(since_impact_s_ + dt, kImpactCounts_s);
-    if (!knows_height(ports) || !ports.thrust) {
+    if (is_carried(ports, dt)) return true;
+    if (!knows_speed(ports) || !ports.thrust) {
         standing_for_s_ = resting_for_s_ = 0.0F;
         return has_hit_the_ground(ports, dt);
     }
     since_hit_s_ = kHitCounts_s;
     blind_for_s_ = 0.0F;
-    height_ = ground_z_ - ports.position->z;
+    if (ports.position->z_valid) height_ = ground_z_ - ports.position->z;
     const bool sinks = sinks_steadily(ports);
     if (sinks && ports.position->az < -params.impact) since_impact_s_ = 0.0F;
     const bool is_still = math::abs(ports.position->vz) < params.still;
@@ -90,14 +98,27 @@ bool LandDetector::has_touched_down(const LandDetectorPorts& ports, float dt) {
            (hit && still_for_s_ >= params.landed_after_impact);
 }
 
-// Where no height is known.
+// Whatever the estimate says: what feels its weight without thrust, and does not turn, is carried.
+bool LandDetector::is_carried(const LandDetectorPorts& ports, float dt) {
+    if (!ports.thrust || !ports.accel || !ports.gyro) return false;
+    const bool is_light = thrust_of(ports) < kVeryLight * ports.params->light_thrust;
+    const bool has_weight = math::abs(force_ - kGravity) < kCarried * kGravity;
+    const bool turns = math::norm(math::vector(ports.gyro->xyz)) > kQuietRate;
+    carried_for_s_ = counted(is_light && has_weight && !turns, carried_for_s_, dt);
+    return carried_for_s_ >= kCarried_s;
+}
+
+// Where no vertical speed is known.
 bool LandDetector::has_hit_the_ground(const LandDetectorPorts& ports, float dt) {
     since_hit_s_ = math::min(since_hit_s_ + dt, kHitCounts_s);
     blind_for_s_ += dt;
-    const bool may_be_down = kFastestBlind * blind_for_s_ > height_;
+    const bool is_high =
+        ports.position && ports.position->z_valid && ground_z_ - ports.position->z > kHigh;
+    const bool may_be_down = kFastestBlind * blind_for_s_ > height_ && !is_high;
     if (!descends(ports) || !may_be_down || !ports.accel || !ports.gyro) return false;
+    // A jolt: one that leans far feels more than its weight, but steadily.
     const float force = math::norm(math::vector(ports.accel->xyz));
-    if (force - kGravity > ports.params->impact) since_hit_s_ = 0.0F;
+    if (force - force_ > ports.params->impact) since_hit_s_ = 0.0F;
     const bool is_quiet = math::abs(force_ - kGravity) < kSteady &&
                           math::norm(math::vector(ports.gyro->xyz)) < kQuietRate;
     still_for_s_ = counted(is_quiet && since_hit_s_ < kHitCounts_s, still_for_s_, dt);
@@ -105,7 +126,7 @@ bool LandDetector::has_hit_the_ground(const LandDetectorPorts& ports, float dt) 
 }
 
 bool LandDetector::takes_off(const LandDetectorPorts& ports) {
-    if (!knows_height(ports)) return false;
+    if (!knows_speed(ports)) return false;
     const VehicleLocalPosition& p = *ports.position;
     const LandDetectorParams& params = *ports.params;
     const bool carries = !ports.thrust || thrust_of(ports) >= params.light_thrust;
@@ -114,7 +135,8 @@ bool LandDetector::takes_off(const LandDetectorPorts& ports) {
         ground_z_ = p.z;
         return falls;
     }
-    return ground_z_ - p.z >= params.takeoff_height || math::abs(p.vz) >= params.moving;
+    const bool rises = p.z_valid && ground_z_ - p.z >= params.takeoff_height;
+    return rises || math::abs(p.vz) >= params.moving;
 }
 
 void LandDetector::update(const LandDetectorPorts& ports, float dt) {
@@ -131,7 +153,7 @@ void LandDetector::update(const LandDetectorPorts& ports, float dt) {
     }
     if (has_landed_) {
         has_landed_ = !takes_off(ports);
-        standing_for_s_ = resting_for_s_ = still_for_s_ = 0.0F;
+        standing_for_s_ = resting_for_s_ = still_for_s_ = carried_for_s_ = 0.0F;
         since_impact_s_ = kImpactCounts_s;
         since_hit_s_ = kHitCounts_s;
         return;

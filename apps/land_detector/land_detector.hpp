@@ -20,6 +20,7 @@ class LandDetector {
 
   private:
     bool has_touched_down(const LandDetectorPorts& ports, float dt);
+    bool is_carried(const LandDetectorPorts& ports, float dt);
     bool has_hit_the_ground(const LandDetectorPorts& ports, float dt);
     bool takes_off(const LandDetectorPorts& ports);
     void take_forces(const LandDetectorPorts& ports, float dt);
@@ -30,11 +31,12 @@ class LandDetector {
     Crash crash_;
     bool has_crashed_ = false;
     float down_acceleration_ = 0.0F;  // low-passed
-    float force_ = 0.0F;              // specific, low-passed
+    float force_ = 9.80665F;          // specific, low-passed
     float ground_z_ = 0.0F;
     float standing_for_s_ = 0.0F;
     float resting_for_s_ = 0.0F;
     float still_for_s_ = 0.0F;
+    float carried_for_s_ = 0.0F;
     float since_impact_s_ = 0.0F;
     float since_hit_s_ = 0.0F;
     float height_ = 0.0F;  // above the ground, when it was known last

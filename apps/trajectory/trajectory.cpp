@@ -148,7 +148,8 @@ float Trajectory::wait_for(const TrajectoryPorts& ports, float dt) {
     const float below = p.z - state_.position.z();
     const bool is_far = math::max(lag, below) > kOutOfReach * params.lag_limit;
     lags_for_s_ = is_far ? math::min(lags_for_s_ + dt, kLongestLag_s) : 0.0F;
-    if (ports.status && ports.status->nav_state == VehicleStatus::NavState::kLand) {
+    const bool lands = ports.goal && ports.goal->kind == GotoSetpoint::Kind::kLand;
+    if (lands || (ports.status && ports.status->nav_state == VehicleStatus::NavState::kLand)) {
         come_along(p, params.lag_limit);
         return 1.0F;
     }

@@ -19,6 +19,12 @@ class LandDetectorTest : public ::testing::Test {
 
     bool step() {
         now_us_ += 4'000;
+        // A live sensor has noise.
+        const float noise = (now_us_ / 4'000) % 2 == 0 ? 0.001F : -0.001F;
+        for (unsigned i = 0; has_noise_ && i < 3; ++i) {
+            accel_.xyz[i] += noise;
+            gyro_.xyz[i] += noise;
+        }
         LandDetectorPorts ports{.now = now_us_,
                                 .position = Input(position_),
                                 .setpoint = Input(setpoint_),
@@ -55,6 +61,7 @@ class LandDetectorTest : public ::testing::Test {
     SensorGyro gyro_{};
     VehicleAttitude attitude_{.q = {1.0F, 0.0F, 0.0F, 0.0F}};
     bool crashed_ = false;
+    bool has_noise_ = true;
     VehicleLocalPosition position_{};
     TrajectorySetpoint setpoint_{};
     VehicleThrustSetpoint thrust_{};
@@ -200,6 +207,8 @@ TEST_F(LandDetectorTest, what_flies_tilted_or_tumbles_has_not_crashed) {
     gyro_ = {};  // what does not turn does not fly
     run(1.6F);
     EXPECT_TRUE(crashed_);
+    lie(0.0F);
+    step();
     lie(3.1F);
     gyro_.xyz = {4.0F, 0.0F, 0.0F};
     run(3.0F);
@@ -211,6 +220,69 @@ TEST_F(LandDetectorTest, what_flies_tilted_or_tumbles_has_not_crashed) {
     EXPECT_FALSE(crashed_);
     run(1.0F);
     EXPECT_TRUE(crashed_);
+}
+
+// Whatever turns it: nothing flies upside down for so long.
+TEST_F(LandDetectorTest, what_stays_upside_down_has_crashed) {
+    fly();
+    lie(3.1F);
+    gyro_.xyz = {4.0F, 0.0F, 0.0F};
+    run(3.8F);
+    EXPECT_FALSE(crashed_);
+    run(0.4F);
+    EXPECT_TRUE(crashed_);
+}
+
+// Gyro and accelerometer that repeat themselves keep nothing in the air.
+TEST_F(LandDetectorTest, without_an_imu_it_has_crashed_after_a_while) {
+    fly();
+    run(5.0F);
+    EXPECT_FALSE(crashed_);
+    has_noise_ = false;
+    run(1.8F);
+    EXPECT_FALSE(crashed_);
+    run(0.4F);
+    EXPECT_TRUE(crashed_);
+}
+
+// An accelerometer at the end of its range: what tumbled and turns no more lies there.
+TEST_F(LandDetectorTest, a_tumble_that_ends_under_a_clipped_accelerometer_is_a_crash) {
+    fly();
+    const auto clipped = [this](float rate, float seconds) {
+        for (float t = 0.0F; t < seconds; t += 0.004F) {
+            gyro_.xyz = {rate, 0.0F, 0.0F};
+            accel_.xyz[2] = -0.7F - ((now_us_ + 4'000) / 4'000 % 2 == 0 ? 0.001F : -0.001F);
+            step();
+        }
+    };
+    clipped(0.0F, 4.0F);
+    EXPECT_FALSE(crashed_);
+    clipped(0.7F, 0.6F);
+    EXPECT_FALSE(crashed_);
+    clipped(0.05F, 1.6F);
+    EXPECT_TRUE(crashed_);
+}
+
+TEST_F(LandDetectorTest, what_feels_its_weight_without_thrust_is_carried) {
+    fly();
+    thrust_.xyz[2] = -0.15F;
+    position_.vz = 1.2F;  // an estimate that drifts
+    EXPECT_FALSE(run(4.8F));
+    EXPECT_TRUE(run(0.4F));
+}
+
+// A vehicle that leans into a storm feels much, but steadily.
+TEST_F(LandDetectorTest, a_strong_steady_force_is_no_impact) {
+    fly();
+    position_.z_valid = position_.v_z_valid = false;
+    status_.nav_state = VehicleStatus::NavState::kDescend;
+    run(3.0F);
+    for (float force = 9.8F; force < 18.0F; force += 0.1F) {
+        accel_.xyz[2] = -force;
+        step();
+    }
+    accel_.xyz[2] = -9.81F;
+    EXPECT_FALSE(run(1.5F));
 }
 
 }  // namespace
