@@ -141,6 +141,17 @@ Run run(const world::Options& options, const std::vector<std::uint32_t>& budgets
     return result;
 }
 
+// False: the graph has no such node.
+[[nodiscard]] bool silence_nodes(const world::Faults& faults) {
+    for (const world::Fault& fault : faults) {
+        if (fault.kind != world::FaultKind::kHang) continue;
+        if (silence(fault.part.data(), fault.from_us, fault.until_us)) continue;
+        std::fprintf(stderr, "error: --fail: unknown node '%s'\n", fault.part.data());
+        return false;
+    }
+    return true;
+}
+
 // One line of JSON.
 void print(const Run& run) {
     std::printf("{\"activations\": %llu, \"lost_samples\": %llu, ",
@@ -177,6 +188,7 @@ int main(int count, char** arguments) {
     if (!open(options.mission, mission, "r+b")) return 2;
     if (!open_mavlink(options)) return 2;
     end_by_signals();
+    if (!silence_nodes(options.conditions.faults)) return 2;
     board::prepare(options.conditions, mission, truth);
     print(run(options, budgets));
     const bool log_written = close(options.log, board::log_storage.file,

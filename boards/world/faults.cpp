@@ -49,6 +49,7 @@ constexpr std::array kPartRows{Row{"wrong_sign", FaultKind::kWrongSign, 0.0, 0.0
                                Row{"spike", FaultKind::kSpike, 10.0, kMostOfPart},
                                Row{"delay", FaultKind::kDelay, 0.3, 60.0},
                                Row{"speed", FaultKind::kWindSpeed, 10.0, 100.0},
+                               Row{"hang", FaultKind::kHang, 0.0, 0.0},
                                Row{"dead", FaultKind::kDead, 0.0, 0.0},
                                Row{"loss", FaultKind::kLoss, 0.0, 0.0},
                                Row{"sag", FaultKind::kSag, 0.8, 1.0}};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <vector>
 
 #include "stator/events.hpp"
@@ -30,6 +31,20 @@ struct TimedJob {
 TimedJob* timed_job = nullptr;        // the innermost
 std::vector<uint32_t> budgets;        // by task, us; empty: activations do not take their budgets
 std::vector<unsigned> points_before;  // by task: of the activation before
+
+// A task that is not run from then until then.
+struct Silence {
+    unsigned task;
+    uint64_t from_us;
+    uint64_t until_us;
+};
+std::vector<Silence> silences;
+
+bool is_silent(unsigned task) {
+    return std::any_of(silences.begin(), silences.end(), [task](const Silence& s) {
+        return s.task == task && executor.now_us >= s.from_us && executor.now_us < s.until_us;
+    });
+}
 
 // SplitMix64 (Steele, Lea, Flood 2014): one step of its counter, mixed.
 uint64_t next_random() {
@@ -103,6 +118,7 @@ void dispatch() {
     const unsigned outer = executor.limit;
     for (unsigned index = first_pending(); index < outer; index = first_pending()) {
         executor.pending[index / 64] &= ~(uint64_t{1} << (index % 64));
+        if (!silences.empty() && is_silent(index)) continue;
         const Task& task = program.tasks[index];
         executor.limit = task.level_begin;
         if (budgets.empty()) {
@@ -112,6 +128,15 @@ void dispatch() {
         }
         executor.limit = outer;
     }
+}
+
+bool silence(const char* task, uint64_t from_us, uint64_t until_us) {
+    for (unsigned i = 0; i < program.task_count; ++i) {
+        if (std::strcmp(program.tasks[i].name, task) != 0) continue;
+        silences.push_back({i, from_us, until_us});
+        return true;
+    }
+    return false;
 }
 
 void use_random_times(const RandomTimes& times) {

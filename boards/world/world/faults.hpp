@@ -44,6 +44,8 @@ enum class FaultKind : std::uint8_t {
     kLoss,
     kPartial,     // thrusts VALUE times what it should
     kMotorStuck,  // the controller holds its last command
+    // Of a node.
+    kHang,  // it does not run, and its outputs keep what they have
     // Of the battery.
     kSag,         // VALUE times the voltage
     kWeakSupply,  // no more than VALUE amperes

@@ -61,7 +61,11 @@ class Spoiler {
             if (!has(FaultKind::kDropOut))
                 under_way_.push_back({now_us + microseconds(late), *measured});
         }
-        if (under_way_.empty() || under_way_.front().due_us > now_us) return {};
+        if (under_way_.empty()) return {};
+        // What overtakes those before it takes their place.
+        if (under_way_.back().due_us <= now_us)
+            under_way_.erase(under_way_.begin(), under_way_.end() - 1);
+        if (under_way_.front().due_us > now_us) return {};
         const Sample sample = under_way_.front().sample;
         under_way_.pop_front();
         return sample;

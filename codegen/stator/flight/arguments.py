@@ -228,7 +228,14 @@ def faults_of(arguments: argparse.Namespace) -> list[Fault]:
     if not arguments.fail:
         return []
     plan = make_plan(str(arguments.graph), arguments.board)
-    return read_faults(plan, arguments.fail, arguments.seed, 0.4 * arguments.duration)
+    faults = read_faults(plan, arguments.fail, arguments.seed, 0.4 * arguments.duration)
+    stuck = next((fault for fault in faults if fault.is_of_node), None)
+    if stuck is not None and plan.board.executor != "virtual":
+        raise UserError(
+            f"error: --fail {stuck}: expected a device, found a node: nodes get stuck in virtual "
+            f"time only\nhint: ./stator fly --fail {stuck}"
+        )
+    return faults
 
 
 def failures_of(faults: list[Fault]) -> dict[str, object]:

@@ -1,7 +1,8 @@
 """What can fail in a simulated flight of a graph: `--fail PART.FAULT[=VALUE]@S[+S]`.
 
-PART is a device of the graph, one of its motors, or the wind. Here stand the names, their usual
-values and their ranges; the simulated world (boards/world/faults.cpp) makes them happen.
+PART is a device of the graph, one of its motors, another node, or the wind. Here stand the names,
+their usual values and their ranges; the simulated world (boards/world/faults.cpp) makes them
+happen.
 """
 
 from __future__ import annotations
@@ -58,6 +59,8 @@ OF_SENSOR = {
     "delay": Usual(0.3, most=60.0),
     "time_jump": Usual(0.5, most=1e6),
 }
+NODE = "node"
+OF_NODE = {"stuck": NONE}  # it does not run, and its outputs keep what they have
 OF_MOTOR = {"loss": NONE, "partial": Usual(0.5, most=1.0), "stuck": NONE}
 SPECIAL: dict[str, dict[str, Usual]] = {
     "gnss": {
@@ -116,8 +119,12 @@ class Fault:
         return self.name in UNSEEN
 
     @property
+    def is_of_node(self) -> bool:
+        return self.device_class == NODE
+
+    @property
     def takes_steering_away(self) -> bool:
-        return self.device_class in ("motor", "wind") or (
+        return self.device_class in ("motor", "wind", NODE) or (
             self.device_class == "battery" and self.name in ("low", "sag", "weak_supply", "dead")
         )
 
@@ -135,6 +142,8 @@ class Fault:
             return [f"{self.part}.{name}{when}" for name in names]
         if self.device_class == "motor" and self.name == "stuck":
             return [f"{self.part}.motor_stuck{when}"]
+        if self.device_class == NODE:
+            return [f"{self.part}.hang{when}"]
         own = OWN.get((self.device_class, self.name))
         return [f"{own or f'{self.part}.{self.name}'}{value}{when}"]
 
@@ -149,6 +158,7 @@ class Faults:
             if node.interface.name == "can_esc":
                 has_motors = True
             if node.device is None:
+                self.classes[node.name] = NODE
                 continue
             kind = plan.board.devices[node.device].device_class
             has_motors |= kind == "motor"
@@ -162,6 +172,8 @@ class Faults:
         kind = self.classes[part]
         if kind == "motor":
             return OF_MOTOR
+        if kind == NODE:
+            return OF_NODE
         known = dict(SPECIAL.get(kind, {}))
         quantities = QUANTITIES.get(kind, {})
         if quantities:
@@ -180,7 +192,10 @@ class Faults:
     def in_words(self) -> str:
         """What this graph has, shortly."""
         lines = []
+        nodes = [part for part, kind in self.classes.items() if kind == NODE]
         for part, kind in self.classes.items():
+            if kind == NODE:
+                continue
             names = list(SPECIAL.get(kind, OF_MOTOR if kind == "motor" else {}))
             quantities = QUANTITIES.get(kind, {})
             if quantities:
@@ -194,6 +209,7 @@ class Faults:
         short = [name for name, (kind, _) in SHORT.items() if kind in self.classes.values()]
         if "motor_1" in self.classes:
             short.append(f"motor_1 to motor_{MOTORS}[=0..1]")
+        lines.append(f"  a node ({', '.join(nodes)}): {', '.join(OF_NODE)}")
         return "\n".join([*lines, f"  short: {', '.join(short)}"])
 
     def read(self, text: str) -> Fault:
@@ -232,11 +248,13 @@ class Faults:
         return part, fault
 
     def draw(self, count: int, seed: int, longest_s: float) -> list[Fault]:
-        """Some faults at random times; always the same ones for a seed."""
+        """Some faults at random times; always the same ones for a seed. Of what the vehicle has and
+        meets: nodes that get stuck are faults of the software."""
         draw = random.Random(f"faults {seed}")
+        parts = sorted(part for part, kind in self.classes.items() if kind != NODE)
         found = []
         for _ in range(count):
-            part = draw.choice(sorted(self.classes))
+            part = draw.choice(parts)
             name = draw.choice(sorted(self.of_part(part)))
             usual = self.of_part(part)[name]
             value = usual.value

@@ -70,6 +70,10 @@ void use_random_times(const RandomTimes& times);
 // at as many preemption points as the activation before had, and what is left at its end.
 void use_budgets(std::span<const uint32_t> budgets_us);
 
+// The task's activations are left out from then until then, and its outputs keep what they have.
+// False: there is no such task.
+[[nodiscard]] bool silence(const char* task, uint64_t from_us, uint64_t until_us);
+
 // Connects the graph to the board and publishes the parameters, at time 0.
 void start();
 // Runs everything due up to and including `end_us`, or until `stop()`.

@@ -85,3 +85,15 @@ def test_the_simulated_world_knows_every_name() -> None:
             for option in options(f"{part}.{name}{value}@1"):
                 bare = option.partition("@")[0].partition("=")[0].rpartition(".")[2]
                 assert any(bare.endswith(row) for row in known), option
+
+
+def test_a_node_that_is_no_device_gets_stuck() -> None:
+    assert options("rate_control.stuck@20+1") == ["rate_control.hang@20.000000+1.000000"]
+    with pytest.raises(UserError, match="unknown fault 'loss' of rate_control"):
+        Faults(OUTDOOR).read("rate_control.loss@20")
+
+
+def test_random_faults_are_of_what_the_vehicle_has() -> None:
+    known = Faults(OUTDOOR)
+    drawn = [fault for seed in range(200) for fault in known.draw(3, seed, 60.0)]
+    assert not any(fault.is_of_node for fault in drawn)

@@ -419,6 +419,42 @@ def test_outside_the_fence_it_turns_back(tmp_path: Path) -> None:
     assert facts["landing_error_m"] < 1.0
 
 
+def test_before_an_area_that_excludes_it_turns_back(tmp_path: Path) -> None:
+    """By hand to where the plan excludes a circle of 25 m: the nose of seed 1 points there."""
+    home, middle = (47.397742, 8.545594), (33.0, 73.0)
+    metre_east = 1.0 / (111_183.0 * np.cos(np.radians(home[0])))
+    center = [home[0] + middle[0] / 111_183.0, home[1] + middle[1] * metre_east]
+    circle = {"center": center, "radius": 25.0}
+    take_off = {
+        "type": "SimpleItem", "autoContinue": True, "command": 22, "doJumpId": 1, "frame": 3,
+        "params": [0, 0, 0, None, 0, 0, 6],
+    }  # fmt: skip
+    plan = {
+        "fileType": "Plan", "version": 1, "groundStation": "QGroundControl",
+        "geoFence": {
+            "circles": [{"circle": circle, "inclusion": False, "version": 1}],
+            "polygons": [], "version": 2,
+        },
+        "rallyPoints": {"points": [], "version": 2},
+        "mission": {
+            "version": 2, "firmwareType": 12, "vehicleType": 2, "cruiseSpeed": 15, "hoverSpeed": 5,
+            "plannedHomePosition": [*home, 488.0], "items": [take_off],
+        },
+    }  # fmt: skip
+    file = tmp_path / "excluded.plan"
+    file.write_text(json.dumps(plan), encoding="utf-8")
+    pilot = tmp_path / "pilot.txt"
+    rows = ["0 0 0 0 0 3 0 0 0", "8 0 0 0 0 3 1 0 0", "10 0 0 0 1 3 1 0 0", "15 0 1 0 0 3 1 0 0"]
+    pilot.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    arguments = ["--mission", str(file), "--pilot", str(pilot)]
+    facts = fly("square", tmp_path / "flight.ulg", *arguments)
+    assert_comes_down(facts, "geofence", ["position", "return", "landing"])
+    _, position, _ = truth(facts)
+    nearest = np.hypot(position[:, 0] - middle[0], position[:, 1] - middle[1]).min()
+    assert 15.0 < nearest < 25.5
+    assert facts["broken_invariant"] is None
+
+
 # --- by hand ---
 
 

@@ -108,10 +108,22 @@ def test_after_a_landing_by_hand_it_can_be_disarmed(slot: int, tmp_path: Path) -
 
 
 @pytest.mark.parametrize(("motor", "seed"), [(1, 1), (2, 3)])
-def test_upside_down_the_motors_stop(motor: int, seed: int, tmp_path: Path) -> None:
+def test_without_a_motor_it_lands(motor: int, seed: int, tmp_path: Path) -> None:
     mission = str(MISSIONS / "square.yaml")
     arguments = ["--mission", mission, "--seed", str(seed), "--fail", f"motor_{motor}=0@20"]
     facts = fly(tmp_path, *arguments)
+    assert facts["broken_invariant"] is None
+    assert modes(facts) == ["disarmed", "mission", "landing", "disarmed"]
+    assert "motor_lost" in facts["reason"]
+    assert facts["touchdown_m_s"] < 1.0
+
+
+@pytest.mark.parametrize(("other", "seed"), [(2, 1), (3, 3)])
+def test_upside_down_the_motors_stop(other: int, seed: int, tmp_path: Path) -> None:
+    """Two motors are too many."""
+    mission = str(MISSIONS / "square.yaml")
+    faults = ["--fail", "motor_1=0@20", "--fail", f"motor_{other}=0@20.5"]
+    facts = fly(tmp_path, "--mission", mission, "--seed", str(seed), *faults)
     assert facts["broken_invariant"] is None
     assert "upside down" in facts["reason"]
     assert stopped_s(facts) - facts["touchdown_s"] < 2.0
