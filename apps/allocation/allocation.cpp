@@ -31,6 +31,9 @@ unsigned configure(Rotors& rotors, const AllocationParams& params) {
     return rotors.set_geometry(std::span(all).first(count)) ? count : 0;
 }
 
+// Without a torque for so long, a status alone stops the motors.
+constexpr uint64_t kSilent_us = 20'000;
+
 float share_or_zero(float value, float least, float most) {
     return math::is_nan(value) ? 0.0F : math::clamp(value, least, most);
 }
@@ -39,7 +42,9 @@ float share_or_zero(float value, float least, float most) {
 
 void Allocation::step(AllocationPorts& ports) {
     if (ports.status) is_armed_ = ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
-    if (!ports.torque && is_armed_) return;
+    if (ports.torque) torque_us_ = ports.now;
+    const bool is_silent = torque_us_ != 0 && ports.now >= torque_us_ + kSilent_us;
+    if (!ports.torque && (is_armed_ || !is_silent)) return;
     if (ports.params.is_new()) count_ = configure(rotors_, *ports.params);
 
     std::array<float, kMaxRotors> control;

@@ -17,6 +17,7 @@ class Allocation {
   private:
     Rotors rotors_;
     bool is_armed_ = false;
+    uint64_t torque_us_ = 0;
     unsigned count_ = 0;  // 0: the rotors cannot steer
 };
 

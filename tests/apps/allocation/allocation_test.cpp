@@ -313,5 +313,28 @@ TEST_F(AllocationTest, passes_the_time_of_the_gyro_sample_on) {
     EXPECT_EQ(motors_.timestamp_sample, 123U);
 }
 
+// What made the torque is silent: the motors would go on for ever.
+TEST_F(AllocationTest, ADisarmedVehicleStopsWithoutATorque) {
+    const auto step = [this](uint64_t now_us, bool has_torque) {
+        AllocationPorts ports{
+            .now = now_us,
+            .torque = has_torque ? Input(torque_) : Input<VehicleTorqueSetpoint>(),
+            .thrust = Input(thrust_),
+            .status = Input(status_),
+            .params = Input(params_)};
+        testing::Probe motors(ports.motors, now_us);
+        node_.step(ports);
+        if (motors.count() != 0) motors_ = motors.newest();
+        return motors.count();
+    };
+    EXPECT_EQ(step(1'000'000, true), 1U);
+    EXPECT_EQ(step(1'100'000, false), 0U);  // armed, it keeps its command
+    status_.arming_state = VehicleStatus::ArmingState::kDisarmed;
+    EXPECT_EQ(step(1'110'000, false), 1U);
+    EXPECT_TRUE(math::is_nan(motors_.control[0]));
+    EXPECT_EQ(step(1'120'000, true), 1U);
+    EXPECT_EQ(step(1'125'000, false), 0U);  // the torque itself comes
+}
+
 }  // namespace
 }  // namespace stator::apps::allocation
