@@ -65,7 +65,11 @@ class Station:
 
     def __init__(self, url: str, system: int = 250) -> None:
         self.link = mavutil.mavlink_connection(
-            url, source_system=system, source_component=190, dialect="common"
+            url,
+            source_system=system,
+            source_component=190,
+            dialect="common",
+            retries=int(HANGS_S),  # one a second, until the vehicle listens
         )
         self.system = system
         self.home: Any = None
