@@ -41,11 +41,11 @@ float share_or_zero(float value, float least, float most) {
 }  // namespace
 
 void Allocation::step(AllocationPorts& ports) {
+    if (ports.params.is_new()) count_ = configure(rotors_, *ports.params);
     if (ports.status) is_armed_ = ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
     if (ports.torque) torque_us_ = ports.now;
     const bool is_silent = torque_us_ != 0 && ports.now >= torque_us_ + kSilent_us;
     if (!ports.torque && (is_armed_ || !is_silent)) return;
-    if (ports.params.is_new()) count_ = configure(rotors_, *ports.params);
 
     std::array<float, kMaxRotors> control;
     control.fill(math::canonical_nan<float>());

@@ -314,7 +314,7 @@ TEST_F(AllocationTest, passes_the_time_of_the_gyro_sample_on) {
 }
 
 // What made the torque is silent: the motors would go on for ever.
-TEST_F(AllocationTest, ADisarmedVehicleStopsWithoutATorque) {
+TEST_F(AllocationTest, stops_without_a_torque_once_disarmed) {
     const auto step = [this](uint64_t now_us, bool has_torque) {
         AllocationPorts ports{
             .now = now_us,

@@ -265,6 +265,7 @@ def main(program: str, log: str, truth: str, speed: str, seconds: str, *faults: 
     bench = Bench(float(speed))
     waiting = [(float(when), name) for name, when in (fault.split("@") for fault in faults)]
     command = [program, "--can", BUS, "--can-parts", PLANT, "--speed", speed]
+    command += ["--nonvolatile", log + ".records"]  # as `run` does: no arming without records
     with subprocess.Popen(
         [*command, "--log", log, "--truth", truth, "--duration", seconds],
         stdout=subprocess.PIPE,
