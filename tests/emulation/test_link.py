@@ -74,7 +74,7 @@ def test_perf_sets_bounds_beside_figures(link: Path, capsys: pytest.CaptureFixtu
     (chain,) = facts["chains"]
     assert (chain["chain"], chain["deadline_us"]) == ("gyro_to_motor", 500)
     responses = {row["task"]: row["response_max_us"] for row in facts["tasks"]}
-    assert chain["latency_max_us"] == responses["motors"]
+    assert chain["latency_max_us"] is None  # the status wakes the allocation, too
     assert responses["imu0"] is None  # nothing in the graph is about its end
     assert 0 < responses["rate_control"] < responses["motors"] < 500
     text = ask(capsys, "perf", "--link", str(link))

@@ -130,4 +130,8 @@ def _log_time(folder: Path) -> int:
 
 def _write(stamp: Path, files: Known, built_ns: int) -> None:
     text = json.dumps({"built_ns": built_ns, "files": files}, separators=(",", ":"))
-    stamp.write_text(text, encoding="utf-8")
+    try:
+        stamp.write_text(text, encoding="utf-8")
+    except OSError:  # a full disk: the build is good, and the next one goes by time
+        with contextlib.suppress(OSError):
+            stamp.unlink(missing_ok=True)

@@ -126,7 +126,7 @@ def test_perf_sets_bounds_beside_figures(
     (chain,) = facts["chains"]
     assert (chain["chain"], chain["deadline_us"]) == ("gyro_to_motor", 500)
     responses = {row["task"]: row["response_max_us"] for row in facts["tasks"]}
-    assert chain["latency_max_us"] == responses["motors"]
+    assert chain["latency_max_us"] is None  # the status wakes the allocation, too
     assert responses["imu0"] is None  # nothing in the graph is about its end
     # Which of the two is longer is open: a task may end after those that it woke.
     assert responses["rate_control"] > 0
@@ -152,8 +152,7 @@ def test_another_graph_is_refused(
     words = ["top", "--once", "--link", str(running[0])]
     assert cli.main([*words, "--graph", str(HOME / "graph" / "quad.yaml")]) == 2
     assert "another version" in capsys.readouterr().err
-    assert cli.main(words) == 2  # it is none of Stator's own
-    assert "of the running graph 'waits'" in capsys.readouterr().err
+    assert cli.main(words) == 0  # the run has left the path of its graph
 
 
 def test_nobody_there(

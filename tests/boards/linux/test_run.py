@@ -62,7 +62,7 @@ def test_a_short_run_is_told_in_full(tmp_path: Path) -> None:
     assert facts["board"] == "linux"
     assert facts["duration_s"] > 1.0  # the world may be some of its steps behind
     assert facts["activations"] > 100
-    assert len(facts["levels"]) == 12
+    assert len(facts["levels"]) == 13
     assert all(level["cpu_s"] > 0 for level in facts["levels"])
     topics = {data.name for data in ULog(str(log)).data_list}
     assert {"vehicle_attitude", "vehicle_status"} <= topics

@@ -36,13 +36,16 @@ def test_each_pair_of_nodes_has_at_most_one_arrow(plan: Plan) -> None:
 
 
 def test_no_topic_is_left_out(plan: Plan) -> None:
-    """It stands at an arrow that wakes, or in the box of its reader."""
+    """It stands at an arrow that wakes, or in the box of its reader; values of parameters have an
+    arrow without a name."""
     text = dot(plan)
     named = {(end, way) for _, end, way in arrows(text)}
     for topic in plan.topics.values():
         for reader, _ in topic.readers if topic.publishers else ():
             if plan.graph.nodes[reader].trigger_of(topic.name) is not None:
                 assert any(end == reader and topic.name in way for end, way in named)
+            elif topic.name.endswith("_params"):
+                assert any(end == reader for _, end, _ in arrows(text))
             elif topic.publishers != (reader,):
                 assert f"<I>{topic.name}</I>" in boxes(text)[reader]
 
@@ -58,11 +61,12 @@ def test_only_what_wakes(plan: Plan) -> None:
 
 def test_around_a_node(plan: Plan) -> None:
     text = dot(plan, View(around="allocation"))
-    assert boxes(text).keys() == {"rate_control", "allocation", "motors", "commander", "navigation"}
+    around = {"rate_control", "motors", "motor_loss", "commander", "navigation", "parameters"}
+    assert boxes(text).keys() == {"allocation", *around}
     assert all("allocation" in (begin, end) for begin, end, _ in arrows(text))
     assert "peripheries=2" in boxes(text)["allocation"]
     text = dot(plan, View(around="allocation", wakes=True))
-    assert boxes(text).keys() == {"rate_control", "allocation", "motors"}
+    assert boxes(text).keys() == {"rate_control", "commander", "allocation", "motors"}
 
 
 def test_a_node_that_does_not_exist(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -83,7 +83,7 @@ def test_a_flight_of_the_firmware_replays_equal(
     replayed = replay(capsys, log)
     assert replayed["equal"], replayed
     assert replayed["board"] == "qemu_f405"
-    assert len(replayed["topics"]) == 16
+    assert len(replayed["topics"]) == 18
     assert replayed["samples"] > 30_000
 
 
