@@ -42,7 +42,7 @@ constexpr const FlightMode& mode_of(VehicleStatus::NavState nav_state) {
     return kFlightModes[4];
 }
 
-// Null: there is no such mode to choose.
+// Null if the mode cannot be chosen.
 constexpr const FlightMode* find_mode(uint32_t main, uint32_t sub) {
     for (const FlightMode& mode : kFlightModes) {
         const bool is_it = mode.main == main && (mode.main != 4 || mode.sub == sub);

@@ -41,7 +41,7 @@ class Streams {
     // `interval_us` as in SET_MESSAGE_INTERVAL: 0 the usual one, -1 off. False: there is no such
     // stream. A heartbeat is told at least each second.
     bool set(uint32_t id, float interval_us, uint64_t now_us);
-    // As in MESSAGE_INTERVAL: -1 off, 0: there is no such stream.
+    // As in MESSAGE_INTERVAL: -1 off, 0 if the stream is unknown.
     int32_t interval_us(uint32_t id) const;
     // The stream that has been due for longest, and is due again an interval later. 0xFFFF: none.
     uint16_t take_due(uint64_t now_us);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr float kOpposite = 0.6F;      // its thrust, of that of a rotor beside the lost one
 constexpr float kMostLean = 0.15F;     // rad, of the axis in B
-constexpr float kSlowest = 2.0F;       // rad/s, spin below which there is no such axis
+constexpr float kSlowest = 2.0F;       // rad/s, a slower spin has no such axis
 constexpr float kMostTurning = 40.0F;  // rad/s^2
 constexpr float kIdle = 0.02F;
 

@@ -5,7 +5,7 @@
 // copy in either half of the memory; the copies are written one after the other, and each has a
 // CRC. Whenever power fails, one copy at least is whole, the old record or the new one. Loading
 // takes the newer one and writes the other one again. If one copy is damaged, nothing is lost; if
-// both are, that record is, and no other. A write costs two slots: there is no garbage collection.
+// both are, that record is, and no other. A write costs two slots: nothing is collected later.
 // A record of no length takes the place of one that is removed, and its slot is free.
 //
 // What was read wrongly is not written over: a slot that is not good is read twice, and once more

@@ -72,7 +72,7 @@ def facts_of(
     is_recorded: bool = False,
     setting: Setting | None = None,
 ) -> dict[str, object]:
-    """The facts that `--json` prints. None: there is no such fact. `cut`: why a flight that reaches
+    """The facts that `--json` prints. None: unknown. `cut`: why a flight that reaches
     its time limit ends. `is_guided`: others decide what is flown, so only the invariants count."""
     facts: dict[str, object] = {
         "success": False,

@@ -106,7 +106,7 @@ def _escaped(text: str) -> str:
 
 
 def _settle(log: Path, moved: dict[Path, Path]) -> list[Path]:
-    """Puts the earlier files back if there is no new flight, or if it is the same one."""
+    """Puts the earlier files back if the new flight has no log, or if it is the same one."""
     aside = next(file for file, before in moved.items() if before == log)
     is_new = log.is_file() and log.stat().st_size > 0
     same = is_new and all(
