@@ -86,8 +86,8 @@ void MotorLoss::publish_failure(MotorLossPorts& ports) {
 }
 
 void MotorLoss::step(MotorLossPorts& ports) {
-    if (!ports.gyro || !ports.accel) return;
     if (ports.params.is_new()) quad_ = quad_of(*ports.params);
+    if (!ports.gyro || !ports.accel) return;
     const Vector3 rate_B = math::vector(ports.gyro->xyz);
     if (!math::is_finite(rate_B.sum() + ports.accel->xyz[2])) return;
     const float dt =
