@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from stator.diagnostics import UserError, shown_path
 from stator.flight.invariants import Setting, first_broken
-from stator.flight.log import UnreadableFlight, read_truth_columns, topic
+from stator.flight.log import UnreadableFlight, open_log, read_truth_columns, topic
 from stator.mission.route import walk
 from stator.mission.vehicle import Vehicle
 
@@ -168,16 +168,12 @@ def _judged(
     *,
     in_wind: bool,
 ) -> dict[str, object]:
-    from pyulog import ULog
-
     from stator.flight.judge import CALM, IN_WIND, judge
-    from stator.flight.log import UnreadableFlight, read_flight, read_truth
+    from stator.flight.log import read_flight, read_truth
     from stator.flight.mission import judge_mission, modes_of
 
-    if log.stat().st_size == 0:
-        return {"reason": "cannot judge the flight: the log is empty"}
     try:
-        ulog = ULog(str(log))
+        ulog = open_log(log)
         flight = read_flight(ulog, read_truth(truth), run)
         if mission is not None:
             flown = judge_mission(ulog, flight, mission)
@@ -194,13 +190,9 @@ def _invariants(
     log: Path, truth: Path, run: dict[str, Any], setting: Setting, reason: str
 ) -> dict[str, object]:
     """What changes in the facts of a flight that broke an invariant."""
-    from pyulog import ULog
-
-    if log.stat().st_size == 0:
-        return {}
     try:
         columns = read_truth_columns(truth)
-        broken = first_broken(ULog(str(log)), columns, str(run["ended"]), setting)
+        broken = first_broken(open_log(log), columns, str(run["ended"]), setting)
     except UnreadableFlight:
         return {}  # the judgement says so
     if broken is None:

@@ -109,6 +109,21 @@ def read_flight(log: ULog, truth: Truth, run: dict[str, object]) -> Flight:
 # --- parts ---
 
 
+def open_log(path: Path) -> ULog:
+    """Raises `UnreadableFlight` if the log has no whole beginning: a machine too busy to store
+    blocks loses whole ones, perhaps the first."""
+    from pyulog import ULog
+
+    if path.stat().st_size == 0:
+        raise UnreadableFlight("cannot judge the flight: the log is empty")
+    try:
+        return ULog(str(path))
+    except Exception:  # a damaged file can raise any exception in the reader
+        raise UnreadableFlight(
+            "cannot judge the flight: the beginning of the log was lost, as the machine was busy"
+        ) from None
+
+
 def topic(log: ULog, name: str) -> dict[str, NDArray[np.generic]]:
     for dataset in log.data_list:
         if dataset.name == name and dataset.multi_id == 0:

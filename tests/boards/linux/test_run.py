@@ -25,6 +25,7 @@ QUAD = HOME / "graph" / "quad.yaml"
 GRAPHS = Path(__file__).parent / "graph"
 MAX_S = 120  # until a program that hangs is killed
 LINK = f"/tmp/stator-run-{os.getpid()}"  # of its own, as other tests run beside these
+SLOWLY = ("--speed", "0.2")  # where the log counts: a busy machine loses blocks of it
 COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator", "run", "--link", LINK]
 
 
@@ -44,7 +45,7 @@ def run(*arguments: str) -> tuple[int, dict[str, Any]]:
 def test_a_mission_is_in_the_devices_memory(tmp_path: Path) -> None:
     mission = HOME / "graph" / "missions" / "square.yaml"
     log = tmp_path / "mission.ulg"
-    _, facts = run("--mission", str(mission), "--duration", "2", "-o", str(log))
+    _, facts = run("--mission", str(mission), "--duration", "2", *SLOWLY, "-o", str(log))
     assert (facts["graph"], facts["mission"]) == ("quad_outdoor", "square")
     result = next(d.data for d in ULog(str(log)).data_list if d.name == "mission_result")
     assert result["seq_total"][-1] == 6
@@ -54,7 +55,7 @@ def test_a_mission_is_in_the_devices_memory(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("program")
 def test_a_short_run_is_told_in_full(tmp_path: Path) -> None:
     log = tmp_path / "short.ulg"
-    status, facts = run("--duration", "1.5", "-o", str(log))
+    status, facts = run("--duration", "1.5", *SLOWLY, "-o", str(log))
     assert status == 1
     cut, why = facts["reason"].split("; ")[-2:]  # a busy machine may miss life signs, too
     assert cut == "--duration 1.5 s ended the flight early"

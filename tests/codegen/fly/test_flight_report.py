@@ -8,16 +8,18 @@ import json
 import subprocess
 from typing import TYPE_CHECKING, Any
 
+import pytest
+
 from stator.commands import run
 from stator.flight.arguments import cut_of
 from stator.flight.facts import facts_of
 from stator.flight.judge import CALM, IN_WIND
+from stator.flight.log import UnreadableFlight, open_log
 from stator.flight.report import flight_rows, log_rows, report
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    import pytest
 
 FACTS: dict[str, Any] = {
     "mission": "square",
@@ -178,3 +180,11 @@ def test_a_missed_life_sign_is_no_success(tmp_path: Path) -> None:
     )
     assert facts["success"] is False
     assert facts["reason"] == "57 missed life signs: a task did not run in time; ran to its end"
+
+
+@pytest.mark.parametrize("content", [b"", b"\x00" * 4096])
+def test_a_log_without_its_beginning_is_said_to_be_so(tmp_path: Path, content: bytes) -> None:
+    log = tmp_path / "busy.ulg"
+    log.write_bytes(content)
+    with pytest.raises(UnreadableFlight, match=r"the log is empty|the beginning .* was lost"):
+        open_log(log)
