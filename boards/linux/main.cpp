@@ -22,6 +22,7 @@
 #include "nonvolatile.hpp"
 #include "real_world.hpp"
 #include "run_options.hpp"
+#include "stator/host.hpp"
 #include "stator/recording.hpp"
 #include "stator/start_options.hpp"
 #include "world/flight_facts.hpp"
@@ -119,28 +120,29 @@ double seconds(std::uint64_t time_ns) {
 }
 
 void print_refusals() {
-    std::printf("\"not_allowed\": [");
+    std::fprintf(host::facts, "\"not_allowed\": [");
     const char* separator = "";
     for (const Refusal& refusal : refusals()) {
-        std::printf("%s{\"what\": \"%s\", \"why\": \"%s\", \"cost\": \"%s\", \"remedy\": \"%s\"}",
-                    separator, refusal.what, refusal.why, refusal.cost, refusal.remedy);
+        std::fprintf(host::facts,
+                     "%s{\"what\": \"%s\", \"why\": \"%s\", \"cost\": \"%s\", \"remedy\": \"%s\"}",
+                     separator, refusal.what, refusal.why, refusal.cost, refusal.remedy);
         separator = ", ";
     }
-    std::printf("]");
+    std::fprintf(host::facts, "]");
 }
 
 void print_levels(double wall_s) {
-    std::printf("\"levels\": [");
+    std::fprintf(host::facts, "\"levels\": [");
     for (unsigned i = 0; i < program.level_count; ++i) {
         const LevelFacts facts = facts_of_level(i);
-        std::printf(
-            "%s{\"level\": %u, \"cpu_s\": %0.6F, \"load\": %0.6F, \"wakes\": %llu, "
-            "\"worst_release_us\": %0.3F}",
-            i == 0 ? "" : ", ", program.levels[i].priority, seconds(facts.cpu_ns),
-            seconds(facts.cpu_ns) / wall_s, static_cast<unsigned long long>(facts.wakes),
-            static_cast<double>(facts.worst_release_ns) * 1e-3);
+        std::fprintf(host::facts,
+                     "%s{\"level\": %u, \"cpu_s\": %0.6F, \"load\": %0.6F, \"wakes\": %llu, "
+                     "\"worst_release_us\": %0.3F}",
+                     i == 0 ? "" : ", ", program.levels[i].priority, seconds(facts.cpu_ns),
+                     seconds(facts.cpu_ns) / wall_s, static_cast<unsigned long long>(facts.wakes),
+                     static_cast<double>(facts.worst_release_ns) * 1e-3);
     }
-    std::printf("]");
+    std::fprintf(host::facts, "]");
 }
 
 bool is_any_level_left() {
@@ -164,7 +166,7 @@ void tell_unrest() {
 
 // Nothing that a task which does not end may be using is closed, or waited for.
 [[noreturn]] void leave(std::FILE* log, std::FILE* truth) {
-    std::fflush(stdout);
+    std::fflush(host::facts);
     if (truth != nullptr) std::fflush(truth);
     if (log != nullptr && ftrylockfile(log) == 0) std::fflush(log);
     _exit(1);
@@ -182,28 +184,29 @@ void print(const board::RealWorld& world, double wall_s) {
     for (unsigned i = 0; i < program.timer_count; ++i) {
         missed_releases += program.timers[i].state->missed;
     }
-    std::printf("{\"activations\": %llu, \"lost_samples\": %llu",
-                static_cast<unsigned long long>(activations),
-                static_cast<unsigned long long>(lost_samples));
-    std::printf(", \"missed_samples\": %llu, \"missed_releases\": %llu, \"real_time\": %s, ",
-                static_cast<unsigned long long>(world.missed_samples()),
-                static_cast<unsigned long long>(missed_releases),
-                is_real_time() ? "true" : "false");
+    std::fprintf(host::facts, "{\"activations\": %llu, \"lost_samples\": %llu",
+                 static_cast<unsigned long long>(activations),
+                 static_cast<unsigned long long>(lost_samples));
+    std::fprintf(
+        host::facts, ", \"missed_samples\": %llu, \"missed_releases\": %llu, \"real_time\": %s, ",
+        static_cast<unsigned long long>(world.missed_samples()),
+        static_cast<unsigned long long>(missed_releases), is_real_time() ? "true" : "false");
     // Threads do not interrupt each other where a program could count it.
-    std::printf("\"unrecorded_activations\": %llu, ",
-                static_cast<unsigned long long>(recording_counts().lost));
+    std::fprintf(host::facts, "\"unrecorded_activations\": %llu, ",
+                 static_cast<unsigned long long>(recording_counts().lost));
     const char* const refused = refused_publications.newest.load();
-    std::printf("\"refused_publications\": %u, \"refused_output\": \"%s\", ",
-                refused_publications.count.load(), refused == nullptr ? "" : refused);
-    std::printf("\"missed_life_signs\": %llu, ", static_cast<unsigned long long>(missed_life_signs(
-                                                     program.watched, program.watched_count)));
+    std::fprintf(host::facts, "\"refused_publications\": %u, \"refused_output\": \"%s\", ",
+                 refused_publications.count.load(), refused == nullptr ? "" : refused);
+    std::fprintf(
+        host::facts, "\"missed_life_signs\": %llu, ",
+        static_cast<unsigned long long>(missed_life_signs(program.watched, program.watched_count)));
     print_refusals();
-    std::printf(", ");
+    std::fprintf(host::facts, ", ");
     board::print_nonvolatile();
     print_levels(wall_s);
-    std::printf(", ");
-    world::print_flight_facts(world.world(), wall_s, board::system0.restarts);
-    std::puts("}");
+    std::fprintf(host::facts, ", ");
+    world::print_flight_facts(host::facts, world.world(), wall_s, board::system0.restarts);
+    std::fputs("}\n", host::facts);
 }
 
 int refuse_world() {
@@ -219,6 +222,7 @@ int refuse_world() {
 }  // namespace
 
 int main(int count, char** arguments) {
+    host::begin(clock_us);
     std::signal(SIGPIPE, SIG_IGN);  // the reader of the facts may be gone; the log counts
     world::Options options;
     board::RunOptions run;

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "devices.hpp"
+#include "stator/host.hpp"
 
 namespace stator::board {
 
@@ -76,11 +77,11 @@ bool open_nonvolatile(const char* path) {
 void print_nonvolatile() {
     constexpr std::array kStates{"loading", "loaded", "failed"};
     const NonvolatileStatus& status = nonvolatile0.status;
-    std::printf(
-        "\"nonvolatile\": {\"state\": \"%s\", \"records\": %u, \"most_records\": %u, "
-        "\"mended\": %u, \"damaged\": %u, \"refused\": %u, \"lost\": %u}, ",
-        kStates.at(static_cast<unsigned>(status.state)), status.records, status.most_records,
-        status.mended, status.damaged, status.refused, status.lost);
+    std::fprintf(host::facts,
+                 "\"nonvolatile\": {\"state\": \"%s\", \"records\": %u, \"most_records\": %u, "
+                 "\"mended\": %u, \"damaged\": %u, \"refused\": %u, \"lost\": %u}, ",
+                 kStates.at(static_cast<unsigned>(status.state)), status.records,
+                 status.most_records, status.mended, status.damaged, status.refused, status.lost);
 }
 
 }  // namespace stator::board

@@ -9,6 +9,7 @@
 
 #include "devices.hpp"
 #include "playing.hpp"
+#include "stator/host.hpp"
 #include "stator/virtual.hpp"
 
 namespace {
@@ -16,6 +17,7 @@ namespace {
 using namespace stator;
 
 // After the last sample, so that slow nodes and the logger see it.
+constexpr unsigned kEndlessStep_s = 10;  // of processor time
 constexpr std::uint64_t kAfterrun_us = 2'000'000;
 
 struct Options {
@@ -52,6 +54,8 @@ struct Options {
 }  // namespace
 
 int main(int count, char** arguments) {
+    host::begin([] { return executor.now_us; });
+    host::watch_steps(kEndlessStep_s);
     Options options;
     if (!parse(count, arguments, options)) {
         std::fputs("error: expected the options --recording FILE and --log FILE\n", stderr);

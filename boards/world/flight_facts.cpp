@@ -18,15 +18,15 @@ const char* ending(const World& world, bool restarts) {
 
 }  // namespace
 
-void print_flight_facts(const World& world, double wall_s, bool restarts) {
-    std::printf("\"ended\": \"%s\", \"simulated_s\": %0.6F, \"wall_s\": %0.6F",
-                ending(world, restarts), seconds(world.plant().time_us()), wall_s);
+void print_flight_facts(std::FILE* out, const World& world, double wall_s, bool restarts) {
+    std::fprintf(out, "\"ended\": \"%s\", \"simulated_s\": %0.6F, \"wall_s\": %0.6F",
+                 ending(world, restarts), seconds(world.plant().time_us()), wall_s);
     if (const auto take_off_us = world.watch().take_off_us()) {
-        std::printf(", \"take_off_s\": %0.6F", seconds(*take_off_us));
+        std::fprintf(out, ", \"take_off_s\": %0.6F", seconds(*take_off_us));
     }
     if (const auto touchdown = world.watch().touchdown()) {
-        std::printf(", \"touchdown_s\": %0.6F, \"touchdown_m_s\": %0.6F",
-                    seconds(touchdown->time_us), touchdown->speed);
+        std::fprintf(out, ", \"touchdown_s\": %0.6F, \"touchdown_m_s\": %0.6F",
+                     seconds(touchdown->time_us), touchdown->speed);
     }
 }
 

@@ -12,6 +12,12 @@ target_compile_options(stator_flags INTERFACE
 target_compile_definitions(stator_flags INTERFACE EIGEN_DONT_VECTORIZE EIGEN_MPL2_ONLY EIGEN_NO_IO EIGEN_NO_DEBUG)
 get_target_property(eigen_folder Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 target_include_directories(stator_flags SYSTEM INTERFACE ${eigen_folder})
+# Lines, for the report of a crash; variables as well for a debugger. An image has them in any case.
+if(STATOR_DEBUG)
+    target_compile_options(stator_flags INTERFACE -O0 -g)
+elseif(NOT CMAKE_SYSTEM_NAME STREQUAL "Generic")
+    target_compile_options(stator_flags INTERFACE -g1)
+endif()
 # gcc compares definitions of one name where it optimises a whole program. Unoptimised, nothing is
 # inlined before it looks.
 if(STATOR_ODR)
@@ -21,7 +27,8 @@ if(STATOR_ODR)
 endif()
 if(STATOR_SANITIZE)
     target_compile_options(stator_flags INTERFACE
-        -fsanitize=${STATOR_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+        -fsanitize=${STATOR_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
+        -Wno-error)  # gcc warns of what the sanitizers insert
     target_link_options(stator_flags INTERFACE -fsanitize=${STATOR_SANITIZE})
 endif()
 

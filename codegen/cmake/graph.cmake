@@ -39,6 +39,9 @@ function(stator_add_walls target folder libraries)
         string(REGEX MATCH "^[^=]+=([^=]+)=(.*)$" matched "${entry}")
         list(APPEND arguments --node "${CMAKE_MATCH_2}" "${folder}/ports/${CMAKE_MATCH_1}")
     endforeach()
+    if(NOT graph_executor STREQUAL "cortex_m")
+        list(APPEND arguments --may-print)
+    endif()
     if(graph_board)
         list(APPEND arguments --board "${graph_board}")
     endif()
@@ -52,6 +55,43 @@ function(stator_add_walls target folder libraries)
         COMMENT "Checking what nodes of ${target} include"
         VERBATIM)
     add_custom_target(${target}_walls DEPENDS "${stamp}")
+endfunction()
+
+# What the objects of apps call and keep is checked behind their compilation: TARGET_rules. `objects`:
+# those of generated code, which contain the nodes of headers.
+function(stator_add_rules target objects libraries)
+    add_custom_target(${target}_rules)
+    if(NOT STATOR_WALLS OR STATOR_ODR OR STATOR_SANITIZE OR graph_executor STREQUAL "cortex_m")
+        return()
+    endif()
+    set(nodes)
+    foreach(entry IN LISTS libraries)
+        string(REGEX MATCH "^([^=]+)=([^=]+)=(.*)$" matched "${entry}")
+        set(library ${target}_${CMAKE_MATCH_1})
+        set(node "${CMAKE_MATCH_3}")
+        if(NOT node MATCHES "/apps/[^/]+$")
+            continue()
+        endif()
+        list(APPEND nodes --node "${node}")
+        get_target_property(type ${library} TYPE)
+        if(type STREQUAL "STATIC_LIBRARY")
+            list(APPEND objects "$<TARGET_OBJECTS:${library}>")
+        endif()
+    endforeach()
+    if(NOT nodes OR NOT objects)
+        return()
+    endif()
+    set(stamp "${CMAKE_BINARY_DIR}/generated/${target}_rules_stamp")
+    add_custom_command(
+        OUTPUT "${stamp}"
+        COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${CMAKE_SOURCE_DIR}/codegen"
+                "${STATOR_PYTHON}" -m stator.build.app_rules ${nodes} --stamp "${stamp}" ${objects}
+        DEPENDS ${objects} "${CMAKE_SOURCE_DIR}/codegen/stator/build/app_rules.py"
+        COMMENT "Checking what nodes of ${target} call"
+        COMMAND_EXPAND_LISTS
+        VERBATIM)
+    add_custom_target(${target}_rules_checked DEPENDS "${stamp}")
+    add_dependencies(${target}_rules ${target}_rules_checked)
 endfunction()
 
 # A target for each app and driver of what was generated. Sets `libraries` and `ports` in the caller.
@@ -108,6 +148,7 @@ function(stator_add_apps target project apps)
     list(JOIN apps "," names)
     stator_generate("${folder}" "${project}" --apps "${names}")
     stator_add_nodes(${target} "${folder}")
+    stator_add_rules(${target} "" "${graph_libraries}")
 endfunction()
 
 # Everything of the graph but its board: TARGET_generated, and a target for each app and driver.
@@ -133,6 +174,7 @@ function(stator_add_graph_parts target graph board)
         list(FILTER graph_sources EXCLUDE REGEX "/tasks/[^/]+$")
         set_source_files_properties(${graph_sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     endif()
+    stator_add_rules(${target} "$<TARGET_OBJECTS:${target}_generated>" "${graph_libraries}")
     set(graph_board "${graph_board}" PARENT_SCOPE)
     set(graph_chip "${graph_chip}" PARENT_SCOPE)
     set(graph_executor "${graph_executor}" PARENT_SCOPE)
@@ -143,6 +185,7 @@ function(stator_add_graph target graph board)
     file(GLOB board_sources CONFIGURE_DEPENDS "${graph_board}/*.cpp")
     add_executable(${target} ${board_sources})
     target_link_libraries(${target} PRIVATE ${target}_generated)
+    add_dependencies(${target} ${target}_rules)
     stator_precompile(${target})
     # What all boards with such a chip share; a board takes of it what it includes.
     file(GLOB chip_sources CONFIGURE_DEPENDS "${graph_chip}/*.cpp")

@@ -41,6 +41,7 @@ function(stator_add_project_tests project)
         get_filename_component(app "${test}" DIRECTORY)
         get_filename_component(name "${test}" NAME_WE)
         stator_add_test(${app}.${name} SOURCES "${project}/tests/apps/${test}" LIBRARIES app_${app})
+        add_dependencies(${app}.${name} app_rules)
         add_dependencies(all_tests ${app}.${name})
     endforeach()
 

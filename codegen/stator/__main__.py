@@ -30,7 +30,7 @@ class Command(NamedTuple):
     line."""
 
     name: str
-    packages: str  # of requirements-apt.txt: "", one name, "host" (all except Arm's) or "all"
+    packages: str  # of requirements-apt.txt: "", one name, or a set that ./stator knows
     help: str
 
 
@@ -41,6 +41,7 @@ COMMANDS = (
     Command("explain", "", "explain when a node runs, and why"),
     Command("new", "", "write a new app or graph"),
     Command("fly", "host", "fly a graph in simulation and judge the flight"),
+    Command("debug", "debugger", "fly a graph under a debugger, stopped where a node steps"),
     Command("run", "host", "run a graph in real time on this machine"),
     Command("build", "all", "build the firmware of a graph and show its size"),
     Command("flash", "all", "write the firmware of a graph to a board"),

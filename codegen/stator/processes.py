@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
+import sys
+import threading
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -45,6 +48,38 @@ def start(command: Sequence[str | Path], **options: Any) -> subprocess.Popen[str
 def run(command: Sequence[str | Path], **options: Any) -> subprocess.CompletedProcess[str]:
     """As `subprocess.run`, with text; ends as what `start` starts."""
     return subprocess.run([*_ending_with_parent(), *command], text=True, **options)
+
+
+# What a program says itself; other lines on its standard error are for the person at the terminal.
+OWN_LINE = re.compile(r"(error|hint|stator): ")
+
+
+def run_shown(command: Sequence[str | Path]) -> subprocess.CompletedProcess[str]:
+    """As `run` with its output captured, but what nodes print on standard error is shown at once.
+    The result has the program's own lines."""
+    pipe = subprocess.PIPE
+    with start(command, stdout=pipe, stderr=pipe, errors="replace") as process:
+        output, errors = read_shown(process)
+    return subprocess.CompletedProcess(command, process.returncode, output, errors)
+
+
+def read_shown(process: subprocess.Popen[str]) -> tuple[str, str]:
+    """All of a process's output, and its own lines on standard error."""
+    errors: list[str] = []
+
+    def show() -> None:
+        for line in process.stderr or ():
+            if OWN_LINE.match(line):
+                errors.append(line)
+            elif line.strip():
+                print(line, end="", file=sys.stderr, flush=True)
+
+    reader = threading.Thread(target=show, daemon=True)
+    reader.start()
+    output = process.stdout.read() if process.stdout is not None else ""
+    process.wait()
+    reader.join()
+    return output, "".join(errors)
 
 
 def _ending_with_parent() -> list[str]:

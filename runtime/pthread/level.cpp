@@ -15,6 +15,7 @@
 
 #include "figures.hpp"
 #include "internal.hpp"
+#include "stator/running.hpp"
 
 namespace stator {
 
@@ -151,7 +152,9 @@ void LevelThread::run_task(unsigned index) {
     const unsigned place = level_->first_task + index;
     const Task& task = program.tasks[place];
     running_.store(&task, std::memory_order_relaxed);
+    running_node = task.name;
     task.run();
+    running_node = nullptr;
     figures[place].keep(*task.counters);
     for (unsigned i = 0; i < task.line_count; ++i) task.lines[i]->finish_activation();
     running_.store(nullptr, std::memory_order_relaxed);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "stator/host.hpp"
+#include "stator/running.hpp"
 #include "stator/sample_hash.hpp"
 
 namespace stator::replay {
@@ -90,7 +92,13 @@ void Replay::run_next(size_t index) {
     task.is_over = task.is_over || needs_more_than_there_is(job);
     if (!task.is_over) {
         ++activations_;
+        // A task may run another, which makes what it needs.
+        const char* const outer_node = running_node;
+        running_node = recording_.tasks[index].name.c_str();
+        newest_activation_us = job.now_us_;
+        host::activations = host::activations + 1;
         task.run(job);
+        running_node = outer_node;
     } else if (job.now_us_ < skipped_us_) {
         skipped_us_ = job.now_us_;
     }

@@ -29,6 +29,9 @@ struct TopicResult {
     uint64_t different = 0;
 };
 
+// Of the activation that began last, for the report of a crash.
+inline uint64_t newest_activation_us = 0;
+
 class Replay {
   public:
     explicit Replay(const Recording& recording);

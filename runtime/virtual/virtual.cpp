@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "stator/events.hpp"
+#include "stator/host.hpp"
+#include "stator/running.hpp"
 
 namespace stator {
 
@@ -121,11 +123,15 @@ void dispatch() {
         if (!silences.empty() && is_silent(index)) continue;
         const Task& task = program.tasks[index];
         executor.limit = task.level_begin;
+        const char* const outer_node = running_node;
+        running_node = task.name;
+        host::activations = host::activations + 1;
         if (budgets.empty()) {
             task.run();
         } else {
             run_timed(index);
         }
+        running_node = outer_node;
         executor.limit = outer;
     }
 }

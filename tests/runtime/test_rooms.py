@@ -19,16 +19,17 @@ MAY_USE = {
     "dronecan": (),
     "mavlink": (),
     "recording": ("bytes",),
-    "core": (),
+    "core": ("host",),
     "testing": ("core",),
     "watch": ("core",),
+    "host": (),
     "parameters": ("core", "bytes"),
     "link": ("core", "watch", "bytes"),
     "log": ("core", "watch", "parameters", "recording", "bytes"),
-    "virtual": ("core", "watch"),
-    "pthread": ("core", "watch", "link"),
+    "virtual": ("core", "watch", "host"),
+    "pthread": ("core", "watch", "link", "host"),
     "cortex_m": ("core", "watch", "link", "bytes"),
-    "replay": ("parameters", "bytes"),
+    "replay": ("parameters", "bytes", "host"),
 }
 # Each build has one of each on its path: of its executor, and of what it is built for.
 SUPPLIED = {f"stator/{name}.hpp" for name in ("executor", "topic", "activation", "tap", "port")}

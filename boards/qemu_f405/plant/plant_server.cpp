@@ -121,7 +121,7 @@ void print(const Server& server, double wall_s) {
                 wide(server.finished().preemptions),
                 wide(server.finished().unrecorded_activations));
     std::printf("\"missed_life_signs\": %llu, ", wide(server.finished().missed_life_signs));
-    world::print_flight_facts(server.world(), wall_s, server.finished().restarts != 0);
+    world::print_flight_facts(stdout, server.world(), wall_s, server.finished().restarts != 0);
     std::puts("}");
 }
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-import shlex
 import shutil
 import signal
 import subprocess
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
+from stator.build.compile_errors import errors_in
 from stator.build.contents import by_content
 from stator.build.paths import check_paths, input_paths
 from stator.diagnostics import BuildFailed, shown_path
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 PREEMPTION = {"STATOR_PREEMPTION_POINTS": "ON"}  # activations take time, so others can preempt
 RECORDING = {"STATOR_RECORDING": "ON"}  # the log of each flight contains a recording
+DEBUG = {"STATOR_DEBUG": "ON"}  # for a debugger
+SANITIZE = {"STATOR_SANITIZE": "address,undefined"}
 PLAIN = {"STATOR_COUNTERS": "OFF"}  # activations are not timed
 NO_WALLS = {"STATOR_WALLS": "OFF"}  # for tests whose nodes look outside
 SLEEP = {"STATOR_SLEEP": "ON"}  # bare metal sleeps when idle (default: busy loop)
@@ -199,12 +201,20 @@ def _run(command: list[str], lock: Held) -> None:
             raise
     line.clear()
     if process.returncode != 0:
-        text = "\n".join(output).replace(f"{Path.cwd()}/", "")
-        # Without the long command that ninja repeats.
-        lines = re.sub(r"^FAILED: .*\n.*\n", "", text, flags=re.MULTILINE).splitlines()
-        first = next((i for i, line in enumerate(lines) if "error" in line.lower()), 0)
-        shown = "\n".join(lines[max(0, first - 2) : first + 40])
+        text = "\n".join(output)
+        folder = Path(command[command.index("--build" if "--build" in command else "-B") + 1])
+        whole = folder / "errors.log"
+        whole.write_text(text + "\n", encoding="utf-8")
+        shown = errors_in(text, folder) or _first_error(text)
         raise BuildFailed(
-            f"{shown}\nerror: the build failed\n"
-            f"hint: to see the whole output, run: {shlex.join(command)}"
+            f"{shown}\n\nerror: the build failed\n"
+            f"hint: the compiler's whole output is in {shown_path(whole)}"
         )
+
+
+def _first_error(output: str) -> str:
+    """Of CMake or the linker, for example; without the long command that ninja repeats."""
+    text = re.sub(r"^FAILED: .*\n.*\n", "", output, flags=re.MULTILINE)
+    lines = text.replace(f"{Path.cwd()}/", "").splitlines()
+    first = next((i for i, line in enumerate(lines) if "error" in line.lower()), 0)
+    return "\n".join(lines[max(0, first - 2) : first + 40])

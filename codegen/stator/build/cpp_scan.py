@@ -48,6 +48,13 @@ class Outside(NamedTuple):
     mark: Mark
 
 
+class Class(NamedTuple):
+    name: str
+    has_bases: bool  # or is another name of a type: its members are elsewhere
+    words: frozenset[str]  # in its body
+    mark: Mark
+
+
 class _Token(NamedTuple):
     kind: str
     text: str
@@ -78,6 +85,27 @@ class Source:
                 found = _NAMED.match(rest)
                 quoted, bracketed = found.groups() if found else ("", None)
                 yield Include(quoted or bracketed or "", bracketed is None, self._mark(token.at))
+
+    def classes(self) -> Iterator[Class]:
+        """Classes and structs that it defines outside of others, and names of types."""
+        tokens = [token for token in self._tokens() if token.kind != "directive"]
+        for i, token in enumerate(tokens[:-2]):
+            name = tokens[i + 1]
+            if token.text == "using" and name.kind == "word" and tokens[i + 2].text == "=":
+                yield Class(name.text, True, frozenset(), self._mark(name.at))
+            if token.text not in ("class", "struct"):
+                continue
+            if i and tokens[i - 1].text == "enum":
+                continue
+            if name.text == "[":  # attributes
+                end = next((j for j in range(i, len(tokens)) if tokens[j].text == "]"), i) + 2
+                name = tokens[min(end, len(tokens) - 1)]
+            after = tokens.index(name) + 1
+            rest = tokens[after : after + 2]
+            has_bases = bool(rest) and rest[0].text in (":", "final") and rest[-1].text != "{"
+            if rest and (rest[0].text in ("{", ":") or rest[0].text == "final"):
+                words = frozenset(_words_of_body(tokens, after))
+                yield Class(name.text, has_bases, words, self._mark(name.at))
 
     def outside(self, own: tuple[str, ...]) -> Iterator[Outside]:
         """Declarations that another file's could be taken for: neither in the namespace `own` nor
@@ -116,6 +144,16 @@ class Source:
     def _mark(self, at: int) -> Mark:
         line = bisect_right(self._starts, at)
         return Mark(self._file, line, at - self._starts[line - 1] + 1)
+
+
+def _words_of_body(tokens: list[_Token], start: int) -> Iterator[str]:
+    depth = 0
+    for token in tokens[start:]:
+        depth += (token.text == "{") - (token.text == "}")
+        if token.kind == "word" and depth > 0:
+            yield token.text
+        if token.text == "}" and depth == 0:
+            return
 
 
 def _directive(token: _Token) -> tuple[str, str]:

@@ -18,13 +18,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from stator import HOME
 from stator.build.cpp_scan import Source
-from stator.diagnostics import ANSWER_IS_NO, Error
+from stator.diagnostics import ANSWER_IS_NO, Error, Mark
+from stator.names import upper_camel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from stator.build.cpp_scan import Include
-    from stator.diagnostics import Mark
 
 # Rooms of the runtime that a node sees. Its ports include others, which are not for it.
 ROOMS = ("core", "math", "dronecan", "mavlink", "bytes")
@@ -39,12 +39,14 @@ STANDARD = frozenset(
     tuple type_traits utility variant version float.h inttypes.h limits.h stdbool.h stddef.h
     stdint.h string.h""".split()
 )
+PRINTING = ("cstdio", "stdio.h")
 # Why another header is refused, and what to use.
 _REASONS = (
     ("reads a clock", "use ports.now, or a sample's timestamp", "chrono ctime time.h sys/time.h"),
     (
         "does input or output",
-        "publish a message; only a driver does input and output",
+        "publish a message; only a driver does input and output (nodes may print, by <cstdio>, on "
+        "boards of this machine)",
         """cstdio stdio.h iostream istream ostream fstream sstream spanstream streambuf ios iosfwd
         iomanip syncstream filesystem print locale clocale csignal signal.h cstdlib stdlib.h
         unistd.h fcntl.h""",
@@ -96,9 +98,13 @@ class Node(NamedTuple):
     @property
     def sources(self) -> list[Path]:
         """What is compiled, or included from outside."""
+        of_world = sorted(self.folder.glob(f"*{OF_WORLD}"))
+        return [*sorted(self.folder.glob("*.cpp")), self.header, *of_world]
+
+    @property
+    def header(self) -> Path:
         stem = self.room.name.split("/", 1)[1].replace("/", "_")
-        main, of_world = self.folder / f"{stem}.hpp", sorted(self.folder.glob(f"*{OF_WORLD}"))
-        return [*sorted(self.folder.glob("*.cpp")), main, *of_world]
+        return self.folder / f"{stem}.hpp"
 
     def namespace(self, file: Path) -> tuple[str, ...]:
         """Its folder's. What all drivers of a class share lies beside the class's interface."""
@@ -129,7 +135,9 @@ def room_of(file: Path) -> Room:
 class Walls:
     """Collects errors, and every file that was read."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, may_print: bool = False) -> None:
+        """`may_print`: nodes may print, which is for debugging on this machine."""
+        self._may_print = may_print
         self.errors: list[Error] = []
         self.files: dict[Path, None] = {}
 
@@ -163,6 +171,22 @@ class Walls:
                     "has the same name cannot take its place there",
                 )
                 break  # the others of this file have the same cause
+        if node.kind == "app" and node.header in seen:
+            self._check_class(node)
+
+    def _check_class(self, node: Node) -> None:
+        """The class that the generated task makes, and its function."""
+        name, ports = upper_camel(node.folder.name), f"{upper_camel(node.folder.name)}Ports"
+        expected = f"write `class {name} {{ public: void step({ports}& ports); }};`"
+        classes = [c for file in self.files if node.owns(file) for c in Source(file).classes()]
+        own = [found for found in classes if found.name == name]
+        if not own:
+            near = next((c for c in classes if c.mark.file == node.header), None)
+            mark = Mark(node.header, 1, 1) if near is None else near.mark
+            found = "found none" if near is None else f"found class '{near.name}'"
+            self._error(mark, f"expected class '{name}' of {node.room.name}, {found}", expected)
+        elif not own[0].has_bases and "step" not in own[0].words:
+            self._error(own[0].mark, f"missing function 'step' of class '{name}'", expected)
 
     def check_board(self, folder: Path) -> None:
         """A board knows drivers and executors, but neither apps nor other boards."""
@@ -209,6 +233,8 @@ class Walls:
             pass
         elif include.is_quoted or ".." in Path(name).parts:
             self._error(include.mark, f"{_a(kind)} cannot include '{name}'", sees)
+        elif name in PRINTING and self._may_print:
+            pass
         elif kind == "app" and name not in STANDARD:
             self._error(include.mark, *_refusal(name))
 
@@ -253,6 +279,7 @@ def _arguments(arguments: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="stator.build.walls")
     parser.add_argument("--node", nargs=2, type=Path, action="append", default=[])
     parser.add_argument("--board", type=Path)
+    parser.add_argument("--may-print", action="store_true")
     parser.add_argument("--stamp", type=Path, required=True)
     return parser.parse_args(arguments)
 
@@ -266,7 +293,7 @@ def _dependencies(stamp: Path, walls: Walls, folders: list[Path]) -> Iterator[st
 def main(arguments: list[str]) -> int:
     """Beside the stamp, STAMP.d says which files and folders were read."""
     parsed = _arguments(arguments)
-    walls = Walls()
+    walls = Walls(may_print=parsed.may_print)
     nodes = [Node(folder.resolve(), ports) for folder, ports in parsed.node]
     for node in nodes:
         walls.check_node(node)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.arguments import add_graph_arguments
+from stator.build.cmake import build
 from stator.diagnostics import ANSWER_IS_NO, Failed, show_errors, shown_path
 from stator.pipeline import make_plan
 from stator.plan.text import show_notes
@@ -16,6 +18,11 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_graph_arguments(parser)
+    parser.add_argument(
+        "--code",
+        action="store_true",
+        help="compile the nodes for simulation as well, and check what they call and keep",
+    )
     parser.add_argument("--plan", action="store_true", help="show the whole plan")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
@@ -29,6 +36,8 @@ def main(arguments: argparse.Namespace) -> int:
         else:
             show_errors(failed)
         return ANSWER_IS_NO
+    if arguments.code:
+        build(Path(arguments.graph), "sitl")
     if arguments.json:
         from stator.plan.hash import graph_hash
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
-from stator.build.cmake import PREEMPTION, build
+from stator.build.cmake import PREEMPTION, SANITIZE, build
 from stator.diagnostics import ANSWER_IS_NO, SIGNALLED, UserError
 from stator.flight.arguments import (
     add_flight_arguments,
@@ -62,6 +62,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(default: zero)",
     )
     parser.add_argument(
+        "--sanitize",
+        action="store_true",
+        help="build with the address and undefined-behaviour sanitizers: slower, and names the "
+        "line of an access outside an array, of an overflow, and of a use after an end",
+    )
+    parser.add_argument(
         "--speed",
         type=speed_of,
         metavar="FACTOR",
@@ -81,6 +87,7 @@ def main(arguments: argparse.Namespace) -> int:
     faults = faults_of(arguments)
     params = params_of(arguments)
     variant = {} if arguments.times == "zero" else PREEMPTION
+    variant = variant | (SANITIZE if arguments.sanitize else {})
     times = times_of(arguments)
     program = build(
         arguments.graph, arguments.board, variant | recording_of(arguments), executor="virtual"
@@ -97,7 +104,7 @@ def main(arguments: argparse.Namespace) -> int:
     ):
         finished, heard = _run(program, log, truth, arguments, mission, times)
         cut = f"{heard.name} ended the flight early" if heard else cut_of(arguments)
-        if finished.returncode not in (0, NOT_WHOLE):
+        if finished.returncode > NOT_WHOLE:
             raise UserError(finished.stderr.rstrip())
         facts = facts_of(
             finished,
@@ -105,6 +112,7 @@ def main(arguments: argparse.Namespace) -> int:
             truth,
             mission,
             cut=cut,
+            program=program,
             judges=is_judged(arguments),
             is_guided=bool(arguments.mavlink),
             is_recorded=is_recorded(arguments),

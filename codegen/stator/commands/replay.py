@@ -16,12 +16,13 @@ from stator.arguments import path
 from stator.build.cmake import build_replay
 from stator.diagnostics import ANSWER_IS_NO, Failed, UserError, shown_path
 from stator.emit.recording import definitions
+from stator.flight.crash import crash_of
 from stator.flight.params import Replaced, in_words, param_options
 from stator.flight.progress import progress
 from stator.flight.recording import Recording, fields_of, logged_sample, read_recording
 from stator.pipeline import make_plan
 from stator.plan.hash import graph_hash
-from stator.processes import run
+from stator.processes import run_shown
 
 if TYPE_CHECKING:
     from stator.plan.plan import Plan
@@ -54,9 +55,12 @@ def main(arguments: argparse.Namespace) -> int:
     subject = find_graph(recording, arguments.graph)
     program = build_replay(subject.plan)
     with progress(f"replaying {arguments.log.name} ..."):
-        command = [program, arguments.log, str(recording.good_bytes)]
+        command: list[str | Path] = [program, arguments.log, str(recording.good_bytes)]
         command += param_options(flown_params(recording, subject.plan))
-        finished = run(command, check=False, capture_output=True)
+        finished = run_shown(command)
+    crash = crash_of(program, finished.stderr)
+    if crash is not None:
+        raise UserError(f"error: cannot replay to the end: {crash.in_words()}")
     if finished.returncode != 0:
         raise UserError(finished.stderr.rstrip() or "error: the replay program ended unexpectedly")
     facts = facts_of(recording, subject, json.loads(finished.stdout))

@@ -194,6 +194,7 @@ def main(arguments: argparse.Namespace) -> int:
         raise UserError(finished.stderr.rstrip())
     facts = _facts(
         finished,
+        program,
         log,
         truth,
         cut=cut_of(arguments),
@@ -287,6 +288,7 @@ def _command(
 
 def _facts(
     finished: subprocess.CompletedProcess[str],
+    program: Path,
     log: Path,
     truth: Path,
     *,
@@ -304,6 +306,7 @@ def _facts(
         truth,
         mission,
         cut=cut,
+        program=program,
         judges=flies,
         is_guided=is_guided,
         is_recorded=is_recorded,

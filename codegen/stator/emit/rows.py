@@ -152,7 +152,7 @@ def ports(interface: Interface) -> PortsRow:
             for name, doc in interface.lines.items()
         ],
         inputs=[
-            commented(f"Input<{p.message.name}> {p.name}{{}};", one_line(p.doc))
+            commented(f'Input<{p.message.name}> {p.name}{{"{p.name}"}};', one_line(p.doc))
             for p in interface.inputs.values()
         ],
         params=params.name if params else "",

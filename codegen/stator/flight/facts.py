@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stator.diagnostics import UserError, shown_path
+from stator.flight.crash import crash_of
 from stator.flight.invariants import Setting, first_broken
 from stator.flight.log import UnreadableFlight, open_log, read_truth_columns, topic
 from stator.mission.route import walk
@@ -66,6 +67,7 @@ def facts_of(
     mission: Mission | None = None,
     *,
     cut: str,
+    program: Path | None = None,
     judges: bool = True,
     is_guided: bool = False,
     in_wind: bool = False,
@@ -79,6 +81,7 @@ def facts_of(
         "reason": "",
         "problems": [],
         "broken_invariant": None,
+        "crash": None,
         "log": str(log.resolve()),
         "log_sha256": _sha256(log) if log.is_file() else None,  # a pipe is read once
         "truth": str(truth.resolve()),
@@ -105,8 +108,11 @@ def facts_of(
     }
     if finished.returncode < 0:
         name = signal.Signals(-finished.returncode).name
-        facts["reason"] = f"the flight program ended with {name}: {finished.stderr.strip()}"
-        return facts
+        crash = None if program is None else crash_of(program, finished.stderr)
+        if crash is None:
+            facts["reason"] = f"the flight program ended with {name}: {finished.stderr.strip()}"
+            return facts
+        return facts | {"reason": crash.in_words(), "crash": crash.as_json()}
     run = json.loads(finished.stdout)
     facts["speed_vs_real_time"] = run["simulated_s"] / run["wall_s"]
     facts["duration_s"] = run["simulated_s"]

@@ -156,6 +156,9 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
             counts += f", {facts['missed_samples']} missed by devices"
         rows.append(("run", f"{speed}; {counts}"))
     rows += [*log_rows(facts), *watch_rows(facts)]
+    crash = facts.get("crash")
+    if isinstance(crash, dict):
+        return [*rows, *_crash_rows(crash, str(facts["graph_file"]))]
     if not facts["success"]:
         rows += picture_row(facts)
         rows.append(("next", "repeat the command: it flies the same flight"))
@@ -166,6 +169,20 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         rows.append(("next", f"draw it: ./stator plot {log}"))
     if facts["recording"] is not None and not facts["unrecorded_activations"]:
         rows.append(("next", f"repeat it bit for bit: ./stator replay {log}"))
+    return rows
+
+
+def _crash_rows(crash: dict[str, object], graph: str) -> list[tuple[str, str]]:
+    rows = []
+    if crash["input"]:
+        rows.append(("hint", f"test it before it is read: if (!ports.{crash['input']}) return;"))
+    if crash["node"]:
+        where = f"--node {crash['node']} --at {crash['at_s']:.6f}"
+        debug = f"./stator debug {shown_argument(Path(graph))} {where}"
+        rows.append(("next", f"stop there in a debugger, with the same options: {debug}"))
+    if not crash["input"] and crash["signal"] != "ENDLESS":
+        again = f"./stator fly {shown_argument(Path(graph))} --sanitize"
+        rows.append(("next", f"let sanitizers find the cause, with the same options: {again}"))
     return rows
 
 

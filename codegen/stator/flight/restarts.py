@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from stator.build.cpp_source import constant
 from stator.diagnostics import SIGNALLED
-from stator.processes import start
+from stator.processes import read_shown, start
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -77,7 +77,7 @@ class Endings:
         with process:
             if self.heard != 0:  # while there was no process
                 process.send_signal(self.heard)
-            output, errors = process.communicate()
+            output, errors = read_shown(process)
         self._process = None
         return subprocess.CompletedProcess(command, process.returncode, output, errors)
 

@@ -5,7 +5,9 @@
 
 #include <cstdint>
 #include <new>
+#include <type_traits>
 
+#include "stator/running.hpp"
 #include "stator/tap.hpp"
 #include "stator/topic.hpp"
 
@@ -21,6 +23,8 @@ class Input {
   public:
     // Not defaulted: `Input<Message> port{};` then would clear all of it before.
     [[gnu::always_inline]] Input() {}
+    // A port of a node, which has its name.
+    [[gnu::always_inline]] explicit Input(const char* name) : name_(name) {}
     // A port of a test: holds `sample`, which must outlive it.
     explicit Input(const Message& sample, bool is_new = true, uint32_t lost = 0)
         : sample_(&sample), lost_(lost), is_new_(is_new) {}
@@ -33,8 +37,9 @@ class Input {
 
     // True if there is a sample, and it is not older than the graph's `max_age`.
     explicit operator bool() const { return sample_ != nullptr; }
-    const Message& operator*() const { return *sample_; }
-    const Message* operator->() const { return sample_; }
+    // Only where there is a sample; host programs check it.
+    constexpr const Message& operator*() const { return *present(); }
+    constexpr const Message* operator->() const { return present(); }
 
     // True if there is a sample, and no earlier activation of this node has seen it.
     [[gnu::always_inline]] bool is_new() const {
@@ -122,6 +127,12 @@ class Input {
     }
 
   private:
+    [[gnu::always_inline]] constexpr const Message* present() const {
+        if (kChecksInputs && sample_ == nullptr) [[unlikely]] {
+            fail_absent(name_.get());
+        }
+        return sample_;
+    }
     [[gnu::always_inline]] uint32_t passed() const {
         if (seen_ == nullptr || sample_ == nullptr) return lost_;
         const uint32_t count = number() - *seen_;
@@ -161,6 +172,7 @@ class Input {
     bool is_new_ = false;
     bool is_consumed_ = false;
     mutable bool is_asked_ = false;
+    [[no_unique_address]] PortName name_;
     [[no_unique_address]] Tap tap_;
     // Set where they are used: clearing them takes time where a node is not inlined.
     Pin pin_;
@@ -183,6 +195,7 @@ class Output {
     // before this returns. Refused and counted beyond the output's `burst`, for which there may be
     // no slot, and inside `make`, where it would build in the same slot.
     template <class Make>
+    requires std::is_invocable_r_v<Message, Make>
     [[gnu::always_inline]] void publish(Make make) {
         if (left_ == 0) [[unlikely]] {
             ++refused_;
@@ -207,6 +220,14 @@ class Output {
         } else {
             tap_.committed(hash, number);
         }
+    }
+
+    // A message is built in its slot, never copied there.
+    template <class Other>
+    requires(!std::is_invocable_r_v<Message, Other>) void publish(const Other& /*other*/) {
+        static_assert(sizeof(Other) == 0,
+                      "publish expects a function that returns the output's message: write "
+                      "publish([&] { return Message{.field = value}; })");
     }
 
     // --- for generated wrappers ---

@@ -106,6 +106,12 @@ struct ModeGate {
     uint32_t seen = 0;
 };
 
+// What a generated task asks of a node's class.
+template <class Node, class Ports>
+concept Steps = requires(Node& node, Ports& ports) {
+    node.step(ports);
+};
+
 constexpr uint64_t later(uint64_t a, uint64_t b) {
     return a < b ? b : a;
 }

@@ -14,6 +14,7 @@ template <class Message>
 class Input {
   public:
     Input() = default;
+    explicit Input(const char* /*name*/) {}
     Input(const Input&) = delete;
     Input& operator=(const Input&) = delete;
 

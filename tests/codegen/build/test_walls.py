@@ -12,7 +12,13 @@ from stator.build.cmake import build
 from stator.build.walls import ROOMS, Node, Walls
 from stator.diagnostics import BuildFailed
 
-OWN = "namespace stator::apps::own {}\n"
+OWN = """namespace stator::apps::own {
+class Own {
+  public:
+    void step(OwnPorts& ports);
+};
+}  // namespace stator::apps::own
+"""
 MOTOR = "namespace stator::drivers::motor::mine {}\n"
 # Two apps, two drivers of one class and one of another, and two boards.
 FILES = {
@@ -297,3 +303,52 @@ def test_two_apps_may_have_files_of_one_name(tmp_path: Path) -> None:
             header.read_text().replace("#pragma once", '#pragma once\n#include "board.hpp"')
         )
     assert build(examples / "topic.yaml", None).is_file()
+
+
+def of_class(project: Path, code: str) -> list[str]:
+    """The errors for an app with this code in its namespace."""
+    header = project / "apps" / "own" / "own.hpp"
+    header.write_text(f"namespace stator::apps::own {{\n{code}\n}}  // namespace\n")
+    walls = Walls()
+    walls.check_node(Node(project / "apps" / "own", project / "ports" / "own"))
+    return [f"{e.mark.line}:{e.mark.column}: {e.message}" for e in walls.errors]
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "struct Own { void step(OwnPorts& ports); };",
+        "class Own final { public: void step(auto& ports); };",
+        "enum class Mode { kOwn }; class Part {}; class Own : public Base<int> {};",
+        "class [[nodiscard]] Own { public: void step(OwnPorts&) { if (x) { y(); } } };",
+        "using Own = Controller<3>;",
+        "template <class T> class Part {}; struct Own { struct Inner {}; void step(OwnPorts&); };",
+    ],
+)
+def test_a_class_that_the_task_can_make(code: str, project: Path) -> None:
+    assert of_class(project, code) == []
+
+
+@pytest.mark.parametrize(
+    ("code", "message"),
+    [
+        (
+            "class Onw { public: void step(OwnPorts& ports); };",
+            "2:7: expected class 'Own' of apps/own, found class 'Onw'",
+        ),
+        ("void step(OwnPorts& ports);", "1:1: expected class 'Own' of apps/own, found none"),
+        ("class Own;", "1:1: expected class 'Own' of apps/own, found none"),
+        ("class Own {}; void step();", "2:7: missing function 'step' of class 'Own'"),
+    ],
+)
+def test_a_class_that_is_wrong(code: str, message: str, project: Path) -> None:
+    assert of_class(project, code) == [message]
+
+
+def test_nodes_may_print_where_somebody_reads_it(project: Path) -> None:
+    (project / "apps" / "own" / "own.hpp").write_text(f"#include <cstdio>\n{OWN}")
+    node = Node(project / "apps" / "own", project / "ports" / "own")
+    for may_print in (True, False):
+        walls = Walls(may_print=may_print)
+        walls.check_node(node)
+        assert (walls.errors == []) == may_print

@@ -10,6 +10,8 @@ constinit State state{};
 
 namespace {
 
+static_assert(Steps<apps::adder::Adder, apps::adder::AdderPorts>,
+              "apps/adder/adder.hpp: expected the function `void step(AdderPorts& ports)` of the node's class");
 apps::adder::Adder node;
 
 }  // namespace

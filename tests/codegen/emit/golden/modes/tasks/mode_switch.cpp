@@ -10,6 +10,8 @@ constinit State state{};
 
 namespace {
 
+static_assert(Steps<apps::mode_switch::ModeSwitch, apps::mode_switch::ModeSwitchPorts>,
+              "apps/mode_switch/mode_switch.hpp: expected the function `void step(ModeSwitchPorts& ports)` of the node's class");
 apps::mode_switch::ModeSwitch node;
 
 }  // namespace

@@ -10,6 +10,8 @@ constinit State state{};
 
 namespace {
 
+static_assert(Steps<apps::adjuster::Adjuster, apps::adjuster::AdjusterPorts>,
+              "apps/adjuster/adjuster.hpp: expected the function `void step(AdjusterPorts& ports)` of the node's class");
 apps::adjuster::Adjuster node;
 
 }  // namespace

@@ -10,6 +10,8 @@ constinit State state{};
 
 namespace {
 
+static_assert(Steps<apps::parameters::Parameters, apps::parameters::ParametersPorts>,
+              "apps/parameters/parameters.hpp: expected the function `void step(ParametersPorts& ports)` of the node's class");
 apps::parameters::Parameters node;
 
 }  // namespace

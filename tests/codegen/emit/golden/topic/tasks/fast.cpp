@@ -10,6 +10,8 @@ constinit State state{};
 
 namespace {
 
+static_assert(Steps<apps::counter::Counter, apps::counter::CounterPorts>,
+              "apps/counter/counter.hpp: expected the function `void step(CounterPorts& ports)` of the node's class");
 apps::counter::Counter node;
 
 }  // namespace

@@ -17,8 +17,8 @@ struct AdderPorts {
 
     uint64_t now = 0;  // us
     Fired fired{};
-    Input<Count> count{};  // Each sample that is read is added, once.
-    Input<Count> extra{};  // The newest, while there is one, goes on top.
+    Input<Count> count{"count"};  // Each sample that is read is added, once.
+    Input<Count> extra{"extra"};  // The newest, while there is one, goes on top.
     Output<Count> sum{};  // The sum.
 
     [[gnu::always_inline]] ~AdderPorts() = default;

@@ -18,7 +18,7 @@ struct AdjusterPorts {
 
     uint64_t now = 0;  // us
     Fired fired{};
-    Input<ParameterValue> answer{};  // What became of the request before.
+    Input<ParameterValue> answer{"answer"};  // What became of the request before.
     Output<ParameterRequest> request{};  // The next value.
 
     [[gnu::always_inline]] ~AdjusterPorts() = default;

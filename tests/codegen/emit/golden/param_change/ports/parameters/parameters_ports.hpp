@@ -25,13 +25,13 @@ struct ParametersPorts {
 
     uint64_t now = 0;  // us
     Fired fired{};
-    Input<ParameterRequest> request{};  // Requests, answered one by one in their order.
+    Input<ParameterRequest> request{"request"};  // Requests, answered one by one in their order.
     // While armed, parameters with `in_flight: false` do not change.
-    Input<VehicleStatus> status{};
-    Input<StoredRecord> stored{};  // What outlived a restart. Read in order.
+    Input<VehicleStatus> status{"status"};
+    Input<StoredRecord> stored{"stored"};  // What outlived a restart. Read in order.
     // Of the memory that keeps them. Without it, changes count until the restart.
-    Input<NonvolatileStatus> memory{};
-    Input<RecordKept> kept{};  // What became of each record to keep. Read in order.
+    Input<NonvolatileStatus> memory{"memory"};
+    Input<RecordKept> kept{"kept"};  // What became of each record to keep. Read in order.
     Output<ParameterValue> value{};  // The answer to each.
     // A value to keep: one at a time. The next one follows its result.
     Output<StoredRecord> store{};

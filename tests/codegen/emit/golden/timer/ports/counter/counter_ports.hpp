@@ -18,7 +18,7 @@ struct CounterPorts {
 
     uint64_t now = 0;  // us
     Fired fired{};
-    Input<CounterParams> params{};
+    Input<CounterParams> params{"params"};
     Output<Count> count{};  // The number so far.
 
     [[gnu::always_inline]] ~CounterPorts() = default;

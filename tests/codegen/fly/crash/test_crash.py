@@ -1,0 +1,134 @@
+"""A node that prints, crashes or does not end: what the person at the terminal reads."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stator import __main__ as cli
+
+GRAPH = Path(__file__).parent / "graph"
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return Path(shutil.copytree(GRAPH, tmp_path_factory.mktemp("crash") / "project"))
+
+
+def fly(project: Path, how: int, *more: str) -> int:
+    graph = str(project / "breaks.yaml")
+    return cli.main(["fly", graph, "--duration", "2", "--param", f"breaks.how={how}", *more])
+
+
+def facts_of(project: Path, how: int, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    status = fly(project, how, "--json")
+    facts: dict[str, Any] = json.loads(capsys.readouterr().out)
+    assert (status == 0) == facts["success"]
+    return facts
+
+
+def line_of(comment: str) -> int:
+    code = (GRAPH / "apps" / "breaks" / "breaks.cpp").read_text(encoding="utf-8").splitlines()
+    return next(n for n, line in enumerate(code, 1) if line.endswith(f"// {comment}"))
+
+
+@pytest.mark.parametrize(
+    ("how", "signal", "comment"),
+    [
+        (2, "SIGSEGV", "segv"),
+        (3, "SIGFPE", "fpe"),
+        (4, "SIGABRT", "abort"),
+        (5, "ENDLESS", "endless"),
+    ],
+)
+def test_a_crash_names_node_time_and_line(
+    how: int, signal: str, comment: str, project: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    facts = facts_of(project, how, capsys)
+    file = str(project / "apps" / "breaks" / "breaks.cpp")
+    assert facts["crash"] == {
+        "signal": signal,
+        "node": "breaks",
+        "input": None,
+        "at_s": pytest.approx(1.0),
+        "file": file,
+        "line": line_of(comment),
+    }
+    assert f"at 1.000000 s, in {file}:{line_of(comment)}" in facts["reason"]
+
+
+def test_an_absent_input_is_named(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    crash = facts_of(project, 1, capsys)["crash"]
+    assert (crash["node"], crash["input"], crash["line"]) == ("breaks", "status", line_of("absent"))
+    assert fly(project, 1) == 1
+    shown = capsys.readouterr().out
+    assert "node 'breaks' read the absent input 'status' at 1.000000 s" in shown
+    assert "debug" in shown
+    assert "--node breaks --at 1.000000" in shown
+
+
+def test_an_endless_recursion_is_named(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    crash = facts_of(project, 6, capsys)["crash"]
+    assert (crash["signal"], crash["node"]) == ("SIGSEGV", "breaks")
+    assert crash["file"] == str(project / "apps" / "breaks" / "breaks.cpp")
+
+
+def test_what_a_node_prints_has_time_and_name(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert fly(project, 7, "--json") == 0
+    out, err = capfd.readouterr()
+    assert json.loads(out)["success"]
+    assert [line for line in err.splitlines() if line.startswith("[")] == [
+        "[   1.000000 s] breaks: count 1001",
+        "[   1.001000 s] breaks: count 1002",
+    ]
+
+
+def test_sanitizers_find_what_flies_without_them(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert fly(project, 8, "--json", "--sanitize") == 1
+    out, err = capfd.readouterr()
+    crash = json.loads(out)["crash"]
+    assert (crash["node"], crash["line"]) == ("breaks", line_of("bounds"))
+    assert "index 8 out of bounds" in err
+
+
+@pytest.mark.skipif(shutil.which("gdb") is None, reason="gdb is not installed")
+def test_the_debugger_stops_at_the_crash(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    facts_of(project, 3, capsys)
+    command = [sys.executable, "-I", "-m", "stator", "debug", str(project / "breaks.yaml")]
+    command += ["--param", "breaks.how=3"]
+    finished = subprocess.run(
+        command,
+        input="next\nnext\nnext\nnext\nprint how\nprint ports.now\nbt\nkill\nquit\n",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    words = " ".join(finished.stdout.split())
+    assert "Breakpoint 1, stator::apps::breaks::Breaks::step (" in words, finished.stderr
+    assert "$1 = 3 " in words
+    assert "$2 = 1000000 " in words
+
+
+def test_the_debugger_needs_a_node(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    graph = str(project / "breaks.yaml")
+    assert cli.main(["debug", graph, "--seed", "77"]) == 2
+    assert "error: missing option --node" in capsys.readouterr().err
+    assert cli.main(["debug", graph, "--node", "brakes"]) == 2
+    assert "did you mean 'breaks'?" in capsys.readouterr().err
+    assert cli.main(["debug", graph, "--node", "breaks", "--at", "0.5", "--print"]) == 0
+    shown = capsys.readouterr().out
+    assert "graph_program --log" in shown
+    assert (
+        "break at: stator::apps::breaks::Breaks::step, if stator::executor.now_us >= 500000"
+        in shown
+    )
