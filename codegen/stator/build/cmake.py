@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
-from stator.build.compile_errors import errors_in
+from stator.build.compile_errors import errors_in, kept
 from stator.build.contents import by_content
 from stator.build.paths import check_paths, input_paths
 from stator.diagnostics import BuildFailed, shown_path
@@ -203,13 +203,8 @@ def _run(command: list[str], lock: Held) -> None:
     if process.returncode != 0:
         text = "\n".join(output)
         folder = Path(command[command.index("--build" if "--build" in command else "-B") + 1])
-        whole = folder / "errors.log"
-        whole.write_text(text + "\n", encoding="utf-8")
         shown = errors_in(text, folder) or _first_error(text)
-        raise BuildFailed(
-            f"{shown}\n\nerror: the build failed\n"
-            f"hint: the compiler's whole output is in {shown_path(whole)}"
-        )
+        raise BuildFailed(f"{shown}\n\nerror: the build failed{kept(text, folder)}")
 
 
 def _first_error(output: str) -> str:

@@ -60,6 +60,16 @@ def errors_in(output: str, folder: Path) -> str:
     return "\n\n".join([*shown[:MAX_SHOWN], *([f"... and {left} more"] if left > 0 else [])])
 
 
+def kept(output: str, folder: Path) -> str:
+    """Writes the output to the build's folder. The hint that says so; empty if there is no room."""
+    whole = folder / "errors.log"
+    try:
+        whole.write_text(f"{output}\n", encoding="utf-8")
+    except OSError:
+        return ""
+    return f"\nhint: the compiler's whole output is in {shown_path(whole)}"
+
+
 def _users_first(found: list[_Found]) -> list[_Found]:
     """Errors in generated code and in templates follow from those in the user's, if there are
     any."""

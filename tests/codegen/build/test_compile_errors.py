@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stator import HOME
-from stator.build.compile_errors import errors_in
+from stator.build.compile_errors import errors_in, kept
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -70,3 +70,12 @@ def test_an_error_in_generated_code_names_the_users_file(tmp_path: Path) -> None
 
 def test_other_output_has_no_known_error(tmp_path: Path) -> None:
     assert errors_in("CMake Error: something\n", tmp_path) == ""
+
+
+def test_the_whole_output_is_kept_where_there_is_room(tmp_path: Path) -> None:
+    log = tmp_path / "errors.log"
+    assert kept("all of it", tmp_path).startswith("\nhint: ")
+    assert log.read_text() == "all of it\n"
+    log.unlink()
+    log.symlink_to("/dev/full")
+    assert kept("all of it", tmp_path) == ""
