@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
+from typing import Any
 
 
 def path(text: str) -> Path:
@@ -16,3 +18,20 @@ def path(text: str) -> Path:
 def add_graph_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("graph", help="graph file, for example graph/quad.yaml")
     parser.add_argument("--board", help="build for this board instead of the graph's own")
+
+
+def add_verbose_argument(parser: argparse.ArgumentParser) -> None:
+    """For commands that build."""
+    parser.add_argument(
+        "--verbose",
+        action=_Verbose,
+        nargs=0,
+        help="show the output of the build, with the compiler's command lines",
+    )
+
+
+class _Verbose(argparse.Action):
+    """For this process, and for those that it starts."""
+
+    def __call__(self, *_: Any) -> None:
+        os.environ["STATOR_VERBOSE"] = "on"

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <memory>
 
 #include "stator/running.hpp"
 
@@ -215,15 +216,18 @@ void begin(uint64_t (*now_us)()) {
     take_over_output();
     std::array<void*, 1> first{};
     backtrace(first.data(), 1);  // loads what it needs, which a handler may not
-    // On a stack of its own: an endless recursion has used up the thread's.
-    static std::array<char, kStackBytes> stack;
-    const stack_t own{.ss_sp = stack.data(), .ss_flags = 0, .ss_size = stack.size()};
-    sigaltstack(&own, nullptr);
+    begin_thread();
     handle(SIGABRT, die, SA_NODEFER);
     if (kIsSanitized) return;
     for (const int number : {SIGSEGV, SIGFPE, SIGBUS, SIGILL}) {
         handle(number, die, SA_NODEFER);
     }
+}
+
+void begin_thread() {
+    thread_local const auto stack = std::make_unique<char[]>(kStackBytes);
+    const stack_t own{.ss_sp = stack.get(), .ss_flags = 0, .ss_size = kStackBytes};
+    sigaltstack(&own, nullptr);
 }
 
 void watch_steps(unsigned limit_s) {

@@ -15,6 +15,7 @@
 
 #include "figures.hpp"
 #include "internal.hpp"
+#include "stator/host.hpp"
 #include "stator/running.hpp"
 
 namespace stator {
@@ -105,6 +106,7 @@ void LevelThread::run() {
     char name[16];
     std::snprintf(name, sizeof name, "level %u", level_->priority);
     prepare_thread(name);
+    host::begin_thread();
     wait_at_gate();
     // Those of the start, also if the end has come meanwhile; not if nothing is to run.
     if ((word_->load(std::memory_order_relaxed) & kStopBit) == 0) make_releases();

@@ -174,7 +174,10 @@ def _tools(options: list[str]) -> list[str]:
 
 def _run(command: list[str], lock: Held) -> None:
     """In a group of processes of its own, which inherits the lock and ends with this one."""
-    name = Path(command[command.index("--build" if "--build" in command else "-B") + 1]).name
+    folder = Path(command[command.index("--build" if "--build" in command else "-B") + 1])
+    verbose = os.environ.get("STATOR_VERBOSE") == "on"
+    if verbose and "--build" in command:
+        command = [*command, "--verbose"]
     line = Line()
     output: list[str] = []
     with start(
@@ -189,12 +192,15 @@ def _run(command: list[str], lock: Held) -> None:
     ) as process:
         try:
             for text in process.stdout or ():
+                if verbose:
+                    print(text, end="", file=sys.stderr)
                 step = STEP.match(text)
                 if step is None:
                     output.append(text.rstrip("\n"))
                     continue
                 progress = f"step {step[1]} of {step[2]}"
-                line.show(f"building {name}: {progress}")
+                if not verbose:
+                    line.show(f"building {folder.name}: {progress}")
                 lock.tell(progress)
         except BaseException:
             os.killpg(process.pid, signal.SIGTERM)
@@ -202,7 +208,6 @@ def _run(command: list[str], lock: Held) -> None:
     line.clear()
     if process.returncode != 0:
         text = "\n".join(output)
-        folder = Path(command[command.index("--build" if "--build" in command else "-B") + 1])
         shown = errors_in(text, folder) or _first_error(text)
         raise BuildFailed(f"{shown}\n\nerror: the build failed{kept(text, folder)}")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
-from stator.arguments import path
+from stator.arguments import add_verbose_argument, path
 from stator.build.cmake import SLEEP
 from stator.build.image import build_image, image_files, sizes_of, total_of
 from stator.build.image_checks import double_lines, sections_of
@@ -21,6 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("graph", type=path, help="graph file, for example graph/quad.yaml")
     parser.add_argument("--board", help="build for this board instead of the graph's own")
     parser.add_argument("--sleep", action="store_true", help="sleep when idle (default: busy loop)")
+    add_verbose_argument(parser)
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stator.arguments import add_graph_arguments
+from stator.arguments import add_graph_arguments, add_verbose_argument
 from stator.build.cmake import build
 from stator.diagnostics import ANSWER_IS_NO, Failed, show_errors, shown_path
 from stator.pipeline import make_plan
@@ -23,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="compile the nodes for simulation as well, and check what they call and keep",
     )
+    add_verbose_argument(parser)
     parser.add_argument("--plan", action="store_true", help="show the whole plan")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 

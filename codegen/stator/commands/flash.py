@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import serial
 
-from stator.arguments import path
+from stator.arguments import add_verbose_argument, path
 from stator.build.image import build_image, image_files
 from stator.build.px4_bootloader import Bootloader
 from stator.build.px4_file import padded
@@ -41,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     methods = "; ".join(f"{name}: {text}" for name, text in METHODS.items())
     parser.add_argument("--method", choices=METHODS, default="bootloader", help=methods)
     parser.add_argument("--port", help=f"serial port of the bootloader (default: {PORT})")
+    add_verbose_argument(parser)
     parser.add_argument("--dry-run", action="store_true", help="show the steps without doing them")
 
 

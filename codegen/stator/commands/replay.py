@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stator import HOME
-from stator.arguments import path
+from stator.arguments import add_verbose_argument, path
 from stator.build.cmake import build_replay
 from stator.diagnostics import ANSWER_IS_NO, Failed, UserError, shown_path
 from stator.emit.recording import definitions
@@ -46,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--graph", type=path, help="graph file, if it is not at the path in the log"
     )
+    add_verbose_argument(parser)
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
-from stator.arguments import path
+from stator.arguments import add_verbose_argument, path
 from stator.build.cmake import RECORDING
 from stator.diagnostics import UserError, shown_path
 from stator.flight.faults import Fault, read_faults, unseen
@@ -69,6 +69,7 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         action="store_true",
         help="write no recording for ./stator replay: the log is smaller, and the flight faster",
     )
+    add_verbose_argument(parser)
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
     parser.add_argument(
         "--mission",

@@ -15,6 +15,10 @@ inline std::FILE* facts = stdout;
 // before the signal ends the program. `now_us`: the graph's clock, for any thread.
 void begin(uint64_t (*now_us)());
 
+// First of all in each other thread that runs nodes. A crash is reported on a stack of its own, as
+// an endless recursion has used up the thread's.
+void begin_thread();
+
 // From here on, a step of the main thread that takes more than `limit_s` of processor time is
 // reported as a crash that is called ENDLESS. Costs a signal each second.
 void watch_steps(unsigned limit_s);

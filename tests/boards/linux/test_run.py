@@ -18,7 +18,7 @@ from pyulog import ULog
 
 from stator import HOME
 from stator.__main__ import main
-from stator.build.cmake import build
+from stator.build.cmake import RECORDING, build
 from stator.flight.log import read_truth
 
 QUAD = HOME / "graph" / "quad.yaml"
@@ -31,7 +31,7 @@ COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator", "run", "--link", 
 
 @pytest.fixture(scope="module")
 def program() -> Path:
-    return build(QUAD, "linux", executor="pthread")
+    return build(QUAD, "linux", RECORDING, executor="pthread")
 
 
 def run(*arguments: str) -> tuple[int, dict[str, Any]]:

@@ -105,6 +105,9 @@ def test_check_code_says_what_a_node_must_not_do(
     assert cli.main(["check", "idle.yaml"]) == 0
     assert cli.main(["check", "idle.yaml", "--code"]) == 2
     error = capsys.readouterr().err
+    assert "-std=" not in error
     assert "apps/idle/idle.hpp:5:25: error: idle has the function static 'count'" in error
     header.write_text(IDLE.replace("static uint32_t count", "uint32_t count"))
-    assert cli.main(["check", "idle.yaml", "--code"]) == 0
+    monkeypatch.setenv("STATOR_VERBOSE", "off")  # which is restored after the test
+    assert cli.main(["check", "idle.yaml", "--code", "--verbose"]) == 0
+    assert "-std=" in capsys.readouterr().err  # the compiler's command lines

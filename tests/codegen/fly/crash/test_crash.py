@@ -79,6 +79,16 @@ def test_an_endless_recursion_is_named(project: Path, capsys: pytest.CaptureFixt
     assert crash["file"] == str(project / "apps" / "breaks" / "breaks.cpp")
 
 
+def test_a_thread_that_dies_is_named(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It has a stack of its own for the report, as the main one has."""
+    graph = str(project / "breaks.yaml")
+    options = ["--param", "breaks.how=6", "--duration", "60", "-o", str(project / "thread.ulg")]
+    assert cli.main(["run", graph, "--json", "--link", str(project / "link"), *options]) == 1
+    crash = json.loads(capsys.readouterr().out)["crash"]
+    assert (crash["signal"], crash["node"]) == ("SIGSEGV", "breaks")
+    assert crash["at_s"] >= 1.0
+
+
 def test_what_a_node_prints_has_time_and_name(
     project: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
