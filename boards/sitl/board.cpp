@@ -9,6 +9,7 @@
 #include "stator/virtual.hpp"
 #include "world/can_bus.hpp"
 #include "world/can_parts.hpp"
+#include "world/ending.hpp"
 #include "world/truth.hpp"
 
 namespace stator::board {
@@ -147,7 +148,7 @@ void advance(std::uint64_t now_us) {
         run_can_parts();
         record_truth();
     }
-    if (the_world->is_over() || ending_signal.load() != 0) stop();
+    if (the_world->is_over() || world::ending_signal.load() != 0) stop();
 }
 
 }  // namespace stator::board

@@ -1,7 +1,6 @@
 // A simulated flight: the world that is behind the devices.
 #pragma once
 
-#include <atomic>
 #include <cstdio>
 
 #include "world/world.hpp"
@@ -11,9 +10,6 @@ namespace stator::board {
 // Before the graph starts: makes the world. `mission`, the memory of the mission device, and
 // `truth`, which takes the true flight, may be null.
 void prepare(const world::Conditions& conditions, std::FILE* mission, std::FILE* truth);
-
-// The signal that asks the flight to end; 0: none.
-inline std::atomic<int> ending_signal = 0;
 
 const world::World& world();
 bool truth_is_whole();

@@ -4,7 +4,6 @@
 // whole; 2 a wrong argument, or a file that cannot be opened.
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -22,6 +21,7 @@
 #include "stator/recording.hpp"
 #include "stator/start_options.hpp"
 #include "stator/virtual.hpp"
+#include "world/ending.hpp"
 #include "world/flight_facts.hpp"
 #include "world/options.hpp"
 
@@ -68,17 +68,6 @@ void fly_on_without_log() {
     return false;
 }
 
-// A signal ends a flight in order, with its log and its facts.
-void end_by_signals() {
-    const auto note = [](int number) { board::ending_signal.store(number); };
-    std::signal(SIGINT, note);
-    std::signal(SIGTERM, note);
-    if (std::signal(SIGHUP, note) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
-    sigset_t all;  // blocked until now, so that none is lost
-    sigfillset(&all);
-    pthread_sigmask(SIG_UNBLOCK, &all, nullptr);
-}
-
 // The lines with MAVLink. False after one line that says what is wrong.
 [[nodiscard]] bool open_mavlink(const world::Options& options) {
     const std::array lines{&board::telem1, &board::telem2};
@@ -97,7 +86,7 @@ void run_paced(const world::Options& options) {
     const auto begin = std::chrono::steady_clock::now();
     const auto is_over = [] {
         return board::world().is_over() || board::system0.restarts ||
-               board::ending_signal.load() != 0;
+               world::ending_signal.load() != 0;
     };
     for (std::uint64_t now_us = 0; now_us < options.duration_us && !is_over();) {
         now_us = std::min(now_us + kSlice_us, options.duration_us);
@@ -194,7 +183,7 @@ int main(int count, char** arguments) {
     std::FILE* mission = nullptr;
     if (!open(options.mission, mission, "r+b")) return 2;
     if (!open_mavlink(options)) return 2;
-    end_by_signals();
+    world::end_by_signals();
     if (!silence_nodes(options.conditions.faults)) return 2;
     board::prepare(options.conditions, mission, truth);
     print(run(options, budgets));

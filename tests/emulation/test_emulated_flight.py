@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -10,7 +14,7 @@ from tests.emulation.firmware_tools import needs_emulator
 
 from stator import HOME
 from stator import __main__ as cli
-from stator.build.cmake import build, build_plant
+from stator.build.cmake import RECORDING, build, build_plant
 from stator.emulator.qemu import FIFOS, Emulator, fly
 from stator.live.fault_record import in_words
 from stator.pipeline import make_plan
@@ -102,6 +106,28 @@ def test_sleeping_firmware_flies_as_well(
     status, facts = emulate(capsys, "--sleep", "-o", str(tmp_path / "flight.ulg"))
     assert (status, facts["success"]) == (0, True), facts
     assert facts["lost_samples"] == 0
+
+
+def test_an_interrupted_flight_has_a_report_a_log_and_its_status(
+    emulator: Emulator, tmp_path: Path
+) -> None:
+    """The whole group hears Ctrl-C."""
+    build(QUAD, "qemu_f405", RECORDING, executor="cortex_m")
+    log = tmp_path / "flight.ulg"
+    command = [str(HOME / "stator"), "emulate", "--speed", "1", "-o", str(log)]
+    pipe = subprocess.PIPE
+    process = subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, process_group=0)
+    truth = log.with_suffix(".truth")
+    while process.poll() is None and not (truth.exists() and truth.stat().st_size > 0):
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    output, errors = process.communicate()
+    assert process.returncode == 128 + signal.SIGINT, errors
+    assert "SIGINT ended the flight early\n" in output
+    assert f"log       {log} (" in output
+    facts = json.loads(log.with_suffix(".json").read_text())
+    assert facts["success"] is False
+    assert facts["emulator"] == emulator.version
 
 
 def test_a_plant_that_ends_ends_the_flight(emulator: Emulator, tmp_path: Path) -> None:

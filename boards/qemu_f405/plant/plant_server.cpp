@@ -12,6 +12,7 @@
 
 #include "../link.hpp"
 #include "sensors.hpp"
+#include "world/ending.hpp"
 #include "world/flight_facts.hpp"
 #include "world/options.hpp"
 #include "world/truth.hpp"
@@ -86,7 +87,9 @@ class Server {
             sensors_.measure(world_, answer.samples);
             record_truth();
         }
-        answer.is_over = world_.is_over() || world_.next_event_us() > duration_us_ ? 1 : 0;
+        const bool is_over = world_.is_over() || world_.next_event_us() > duration_us_ ||
+                             world::ending_signal.load() != 0;
+        answer.is_over = is_over ? 1 : 0;
         return std::fwrite(&answer, sizeof answer, 1, files_.to_firmware) == 1 &&
                std::fflush(files_.to_firmware) == 0;
     }
@@ -130,6 +133,7 @@ void print(const Server& server, double wall_s) {
 int main(int count, char** arguments) {
     world::Options options;
     if (!world::parse(count, arguments, options)) return 2;
+    world::end_by_signals();
     Files files;
     if (!open(options.truth, "wb", files.truth) ||
         !open(link::kToPlant, "rb", files.from_firmware) ||

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import signal
 from typing import TYPE_CHECKING
 
 from stator.arguments import path
 from stator.build.cmake import SLEEP, build_plant
 from stator.build.image import build_image
-from stator.diagnostics import ANSWER_IS_NO, UserError
+from stator.diagnostics import ANSWER_IS_NO, SIGNALLED, UserError
 from stator.emulator.qemu import find_emulator, fly
 from stator.flight.arguments import (
     add_flight_arguments,
@@ -31,6 +32,7 @@ from stator.flight.facts import alone, facts_of, keep, mission_facts
 from stator.flight.kept import keeping, kept_facts, log_of
 from stator.flight.progress import progress
 from stator.flight.report import report
+from stator.flight.restarts import Endings
 from stator.live.fault_record import in_words
 from stator.live.place import DEFAULT as LINK
 from stator.live.place import socket_place, with_graph
@@ -85,8 +87,13 @@ def main(arguments: argparse.Namespace) -> int:
         alone(log),
         progress(name, truth, arguments.duration),
         memory_of(mission) as memory,
+        Endings() as endings,
     ):
-        finished = fly(emulator, image, [str(plant), *options], log, link=link, mission=memory)
+        command = [str(plant), *options]
+        finished = fly(emulator, image, command, log, link=link, mission=memory, endings=endings)
+        heard = signal.Signals(endings.heard) if endings.heard else None
+        if heard and finished.returncode != 0:  # it was asked twice
+            raise KeyboardInterrupt
         if finished.returncode != 0:
             plan = make_plan(str(arguments.graph), arguments.board)
             raise UserError(in_words(finished.stderr, plan, image).rstrip())
@@ -95,12 +102,14 @@ def main(arguments: argparse.Namespace) -> int:
             log,
             truth,
             mission,
-            cut=cut_of(arguments),
+            cut=cut_of(arguments, heard),
             judges=is_judged(arguments),
             is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
             setting=setting_of(arguments, mission),
         )
+    if heard and facts["success"]:  # nothing was judged
+        facts |= {"success": False, "reason": cut_of(arguments, heard)}
     facts |= kept_facts(kept) | mission_facts(arguments, mission)
     facts |= failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
@@ -112,4 +121,6 @@ def main(arguments: argparse.Namespace) -> int:
         print(json.dumps(facts, indent=2))
     else:
         report(facts)
+    if heard:
+        return SIGNALLED + heard
     return 0 if facts["success"] else ANSWER_IS_NO

@@ -103,7 +103,7 @@ def main(arguments: argparse.Namespace) -> int:
         progress(name, truth, arguments.duration),
     ):
         finished, heard = _run(program, log, truth, arguments, mission, times)
-        cut = f"{heard.name} ended the flight early" if heard else cut_of(arguments)
+        cut = cut_of(arguments, heard)
         if finished.returncode > NOT_WHOLE:
             raise UserError(finished.stderr.rstrip())
         facts = facts_of(

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from stator import HOME
 from stator.diagnostics import UserError
+from stator.flight.restarts import Endings
 from stator.processes import start
 
 # boards/qemu_f405/link.hpp
@@ -100,10 +101,11 @@ def fly(
     argument: str = "",
     link: Path | None = None,
     mission: Path | None = None,
+    endings: Endings | None = None,
 ) -> subprocess.CompletedProcess[str]:
     """Runs both sides to their end. Returns the plant's output, and as errors: after a failure the
     messages of both, else the text that the firmware printed. `mission`: the memory of the mission
-    device."""
+    device. `endings`: of the signals that end the flight in order."""
     (HOME / "build").mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="emulate-", dir=HOME / "build") as name:
         folder = Path(name)
@@ -111,12 +113,16 @@ def fly(
             os.mkfifo(folder / fifo)
         if mission is not None:
             shutil.copy(mission, folder / MISSION)
+        if endings is None:
+            endings = Endings()  # which hears none
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         # SIGXFSZ stays ignored, as Python has it: a file at its size limit costs the log, not the
         # flight.
-        world = start(plant, cwd=folder, restore_signals=False, **pipes)
+        world = endings.start(plant, cwd=folder, restore_signals=False)
         command = qemu_command(emulator, image.resolve(), shift, argument, link)
-        machine = start(command, cwd=folder, restore_signals=False, **pipes)
+        # In a group of its own, as Ctrl-C is for the plant, which ends the flight.
+        options = {"cwd": folder, "restore_signals": False, "process_group": 0}
+        machine = start(command, **options, **pipes)
         try:
             _wait(world, machine)
             facts, complaint = world.communicate()

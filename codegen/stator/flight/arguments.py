@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import math
+import signal
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -152,8 +153,10 @@ def complete(arguments: argparse.Namespace) -> Mission | None:
     return mission
 
 
-def cut_of(arguments: argparse.Namespace) -> str:
-    """Why a flight ends at its time limit."""
+def cut_of(arguments: argparse.Namespace, heard: signal.Signals | None = None) -> str:
+    """Why a flight ends early: at its time limit, or by the signal that was heard."""
+    if heard is not None:
+        return f"{heard.name} ended the flight early"
     limit = f"--duration {arguments.duration:g} s"
     if not arguments.is_limited:
         limit = f"the limit of {arguments.duration:g} s, as --duration was not given,"

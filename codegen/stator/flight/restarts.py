@@ -8,7 +8,7 @@ import select
 import signal
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stator.build.cpp_source import constant
 from stator.diagnostics import SIGNALLED
@@ -67,19 +67,23 @@ class Endings:
             signal.signal(number, handler)
 
     def run(self, command: list[str]) -> subprocess.CompletedProcess[str]:
-        pipe = subprocess.PIPE
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
-        try:
-            process = start(command, stdout=pipe, stderr=pipe)
-            self._process = process
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
-        with process:
-            if self.heard != 0:  # while there was no process
-                process.send_signal(self.heard)
+        with self.start(command) as process:
             output, errors = read_shown(process)
         self._process = None
         return subprocess.CompletedProcess(command, process.returncode, output, errors)
+
+    def start(self, command: list[str], **options: Any) -> subprocess.Popen[str]:
+        """The process that signals end from now on."""
+        pipe = subprocess.PIPE
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+        try:
+            process = start(command, stdout=pipe, stderr=pipe, **options)
+            self._process = process
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if self.heard != 0:  # while there was no process
+            process.send_signal(self.heard)
+        return process
 
     def _hear(self, number: int, _: FrameType | None) -> None:
         again = self.heard != 0 and number == signal.SIGINT
