@@ -114,15 +114,8 @@ def test_plans_of_many_random_graphs_are_exact(tmp_path: Path) -> None:
 LONG_PERIODS_MS = (40, 60, 70, 100)  # many graphs share the one processor
 GRAPHS_OF_A_PROGRAM = 50
 RUNTIME = (
-    "core",
-    "host",
-    "virtual",
-    "recording/off",
-    "recording",
-    "log",
-    "watch",
-    "bytes",
-    "parameters",
+    *("core", "host", "virtual", "recording/off", "recording"),
+    *("log", "watch", "bytes", "parameters"),
 )
 
 
