@@ -51,7 +51,7 @@ def run(command: Sequence[str | Path], **options: Any) -> subprocess.CompletedPr
 
 
 # What a program says itself; other lines on its standard error are for the person at the terminal.
-OWN_LINE = re.compile(r"(error|hint|stator): ")
+OWN_LINE = re.compile(r"(error|hint): |(\[[ .\d]+ s\] \S+: )?stator: ")
 
 
 def run_shown(command: Sequence[str | Path]) -> subprocess.CompletedProcess[str]:

@@ -63,6 +63,11 @@ def draw_topics(logs: list[Path], wanted: list[str], output: Path) -> None:
 def _quantities(log: ULog, text: str, graph: Graph | None, file: str) -> list[Quantity]:
     name, dot, field = text.partition(".")
     columns = _columns(log, name)
+    if columns is None and graph is not None and name in graph.topics:
+        raise UserError(
+            f"error: topic '{name}' has no sample in the log '{file}'\n"
+            "hint: it was not published in this flight, or the graph says `log: none`"
+        )
     if columns is None:
         known = {dataset.name for dataset in log.data_list}
         raise UserError(

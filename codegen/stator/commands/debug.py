@@ -83,7 +83,8 @@ def main(arguments: argparse.Namespace) -> int:
     with _command(program, log, arguments, mission) as command:
         if gdb is None or arguments.only_print:
             print(shlex.join(command))
-            print(f"break at: {stop.function}" + (f", if {stop.condition}" if at_s else ""))
+            condition = f", if {stop.condition}" if stop.condition else ""
+            print(f"break at: {stop.function}{condition}")
             return 0
         print(
             f"gdb: {stop.in_gdb()}; `next` and `step` go on, `print ports.now`, `quit`", flush=True

@@ -65,11 +65,15 @@ def keeping(log: Path, arguments: argparse.Namespace) -> Iterator[list[Path]]:
     named is overwritten, as with any `-o`."""
     kept: list[Path] = []
     moved = _set_aside(log) if arguments.output is None else {}
+    least_bytes = 0  # of a flight that ended, and perhaps crashed before the first block
     try:
         yield kept
+    except BaseException:
+        least_bytes = 1
+        raise
     finally:
         if moved:
-            kept += _settle(log, moved)
+            kept += _settle(log, moved, least_bytes)
 
 
 def kept_facts(kept: list[Path]) -> dict[str, object]:
@@ -105,10 +109,10 @@ def _escaped(text: str) -> str:
     return re.sub(r"([*?[])", r"[\1]", text)
 
 
-def _settle(log: Path, moved: dict[Path, Path]) -> list[Path]:
+def _settle(log: Path, moved: dict[Path, Path], least_bytes: int) -> list[Path]:
     """Puts the earlier files back if the new flight has no log, or if it is the same one."""
     aside = next(file for file, before in moved.items() if before == log)
-    is_new = log.is_file() and log.stat().st_size > 0
+    is_new = log.is_file() and log.stat().st_size >= least_bytes
     same = is_new and all(
         not before.is_file() or filecmp.cmp(file, before, shallow=False)
         for file, before in moved.items()

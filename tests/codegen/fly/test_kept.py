@@ -107,6 +107,14 @@ def test_what_did_not_fly_takes_nothing_away(tmp_path: Path, left: bytes | None)
     assert {file.name for file in tmp_path.iterdir()} == {"a.ulg", "a.truth", "a.json"}
 
 
+def test_a_crash_before_the_first_block_keeps_the_earlier_log_apart(tmp_path: Path) -> None:
+    log = tmp_path / "quad-seed1.ulg"
+    fly(log, b"first")
+    assert fly(log, b"") == [tmp_path / "quad-seed1-1.ulg"]
+    assert log.read_bytes() == b""
+    assert (tmp_path / "quad-seed1-1.ulg").read_bytes() == b"first"
+
+
 def test_a_log_that_the_user_named_is_overwritten(tmp_path: Path) -> None:
     log = tmp_path / "a.ulg"
     fly(log, b"first", named=True)

@@ -125,6 +125,7 @@ def test_topics_of_one_log_with_units_and_modes(flights: tuple[Path, Path], tmp_
     ("topic", "message"),
     [
         ("vehicle_atitude.q", "unknown topic 'vehicle_atitude'"),
+        ("log_block", "topic 'log_block' has no sample in the log"),
         ("vehicle_attitude.p", "unknown field 'p' of topic 'vehicle_attitude'\nhint: known: q"),
         ("vehicle_attitude.q[7]", "unknown field 'q[7]'"),
         ("vehicle_local_position", "expected at most 12 quantities, found"),

@@ -67,7 +67,8 @@ def test_an_absent_input_is_named(project: Path, capsys: pytest.CaptureFixture[s
     crash = facts_of(project, 1, capsys)["crash"]
     assert (crash["node"], crash["input"], crash["line"]) == ("breaks", "status", line_of("absent"))
     assert fly(project, 1) == 1
-    shown = capsys.readouterr().out
+    shown, errors = capsys.readouterr()
+    assert errors == ""  # it is said once
     assert "node 'breaks' read the absent input 'status' at 1.000000 s" in shown
     assert "debug" in shown
     assert "--node breaks --at 1.000000" in shown
