@@ -1,5 +1,6 @@
 // Starts the Pixhawk FMU: clocks, supplies, pins, the clock of the graph, the CAN controller, the
-// watchdog. It builds, links and passes every static check; no hardware has run it.
+// serial lines, the watchdog. It builds, links and passes every static check; no hardware has run
+// it.
 #include "devices.hpp"
 #include "pins.hpp"
 #include "stator/cortex_m.hpp"
@@ -42,6 +43,36 @@ bool take_can1(uint32_t interrupts) {
     return bxcan::take_line(bxcan::Memory{kCan1}, interrupts);
 }
 
+// RM0090, 2.3 and 6.3.13. The driver starts them, if the graph has it. The rates are PX4's: of a
+// radio, and of a computer on board.
+using Line = drivers::serial::usart::SerialUsart::Device;
+constexpr Line kTelem1{.base = 0x40004400, .clock_hz = stm32f4::kApb1Clock_hz, .baud = 57'600};
+constexpr Line kTelem2{.base = 0x40004800, .clock_hz = stm32f4::kApb1Clock_hz, .baud = 921'600};
+constexpr uint32_t kUsart2Clock = 1U << 17;
+constexpr uint32_t kUsart3Clock = 1U << 18;
+constexpr uint8_t kUsart2Vector = 38;
+constexpr uint8_t kUsart3Vector = 39;
+
+void start_line(const pins::SerialPins& line) {
+    line.send.make_alternate(pins::kUsartFunction);
+    line.receive.make_alternate(pins::kUsartFunction);
+    line.ready.make_output(false);
+}
+
+void start_lines() {
+    telem1 = kTelem1;
+    telem2 = kTelem2;
+    stm32f4::rcc::kApb1Enable.set(kUsart2Clock | kUsart3Clock);
+    start_line(pins::kTelem1);
+    start_line(pins::kTelem2);
+}
+
+// At hardware priority 0.
+void enable(uint8_t vector) {
+    nvic::priority(vector) = 0;
+    nvic::set_enable(vector / 32U).write(1U << vector % 32U);
+}
+
 }  // namespace
 
 // Low: no pulse. A speed controller that sees none stops its motor.
@@ -67,11 +98,24 @@ void prepare() {
     kTimer.start();
     start_pins();
     start_can();
+    start_lines();
 }
 
 // If the hardware does not take the time, the watchdog runs with its longest one.
 void start() {
     static_cast<void>(kWatchdog.start(kWatchdog_ms));
+    enable(kUsart2Vector);
+    enable(kUsart3Vector);
+}
+
+void usart2_interrupt();
+void usart2_interrupt() {
+    telem1.interrupt();
+}
+
+void usart3_interrupt();
+void usart3_interrupt() {
+    telem2.interrupt();
 }
 
 void kick_watchdog() {

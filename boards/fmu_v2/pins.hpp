@@ -35,6 +35,17 @@ inline constexpr Pin kCan1Receive('D', 0);
 inline constexpr Pin kCan1Send('D', 1);
 inline constexpr uint32_t kCanFunction = 9;
 
+// A connector with a serial line. No flow control: a radio that wants it may always send, and its
+// own request is not looked at, as where nothing is plugged in.
+struct SerialPins {
+    Pin send;
+    Pin receive;
+    Pin ready;  // low: the other end may send
+};
+inline constexpr SerialPins kTelem1{{'D', 5}, {'D', 6}, {'D', 4}};   // USART2
+inline constexpr SerialPins kTelem2{{'D', 8}, {'D', 9}, {'D', 12}};  // USART3
+inline constexpr uint32_t kUsartFunction = 7;
+
 // Outputs 1 to 6 of the FMU itself; the eight main ones belong to the safety processor, which has
 // its own failsafe.
 inline constexpr std::array kMotorOutputs{

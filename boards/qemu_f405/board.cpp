@@ -17,10 +17,14 @@ namespace stator::board {
 namespace {
 
 using drivers::motor::sim::MotorSim;
-using drivers::nonvolatile::sim::NonvolatileSim;
 
 constexpr uint8_t kAnyVector = 28;
 constexpr uint32_t kPriorityBits = 0xF0;
+
+// The clock of their bus; the emulator does not divide it.
+constexpr uint32_t kLineClock_hz = 42'000'000;
+constexpr uint8_t kUsart2Vector = 38;
+constexpr uint8_t kUsart3Vector = 39;
 
 constexpr Clock kClock;
 bool is_kicked = false;
@@ -50,19 +54,12 @@ bool append(const uint8_t* bytes, size_t count) {
 
 // A file of the host stands for the memory, so that a reset leaves it as it is.
 bool read_nonvolatile(uint32_t address, std::span<uint8_t> bytes) {
-    return nonvolatile_file.seek(address) && nonvolatile_file.read(bytes.data(), bytes.size());
+    return nonvolatile_file.seek(link::kNonvolatileHead + address) &&
+           nonvolatile_file.read(bytes.data(), bytes.size());
 }
 bool write_nonvolatile(uint32_t address, std::span<const uint8_t> bytes) {
-    return nonvolatile_file.seek(address) && nonvolatile_file.write(bytes.data(), bytes.size());
-}
-void open_nonvolatile() {
-    if (nonvolatile_file.open(link::kNonvolatile, semihosting::Mode::kChange)) return;
-    constexpr std::array<uint8_t, 256> kBlank{};
-    bool is_whole = nonvolatile_file.open(link::kNonvolatile, semihosting::Mode::kMake);
-    for (uint32_t i = 0; i < NonvolatileSim::kBytes / kBlank.size(); ++i) {
-        is_whole = is_whole && nonvolatile_file.write(kBlank.data(), kBlank.size());
-    }
-    require(is_whole, "cannot make the file of the nonvolatile memory");
+    return nonvolatile_file.seek(link::kNonvolatileHead + address) &&
+           nonvolatile_file.write(bytes.data(), bytes.size());
 }
 
 bool read_mission(uint32_t address, std::span<uint8_t> bytes) {
@@ -70,6 +67,12 @@ bool read_mission(uint32_t address, std::span<uint8_t> bytes) {
 }
 bool write_mission(uint32_t address, std::span<const uint8_t> bytes) {
     return mission_file.seek(address) && mission_file.write(bytes.data(), bytes.size());
+}
+
+// At hardware priority 0.
+void enable(uint8_t vector) {
+    nvic::priority(vector) = 0;
+    nvic::set_enable(vector / 32U).write(1U << vector % 32U);
 }
 
 [[noreturn]] void finish() {
@@ -143,8 +146,11 @@ void prepare() {
     log_storage.append = append;
     system0.restart = restart_or_finish;
     parameter_box = &terminal0.box;
-    open_nonvolatile();
+    require(nonvolatile_file.open(link::kNonvolatile, semihosting::Mode::kChange),
+            "cannot open the file of the nonvolatile memory");
     nonvolatile0 = {.read = read_nonvolatile, .write = write_nonvolatile};
+    telem1 = {.base = 0x40004400, .clock_hz = kLineClock_hz, .baud = link::kLine_baud[0]};
+    telem2 = {.base = 0x40004800, .clock_hz = kLineClock_hz, .baud = link::kLine_baud[1]};
     if (mission_file.open(link::kMission, semihosting::Mode::kChange)) {
         mission0.read = read_mission;
         mission0.write = write_mission;
@@ -155,12 +161,24 @@ void start() {
     kStepTimer.start();
     kWatchdogTimer.start();
     serial.start();
+    enable(kUsart2Vector);
+    enable(kUsart3Vector);
     link_transport = &kLink;
 }
 
 void usart1_interrupt();
 void usart1_interrupt() {
     serial.receive();
+}
+
+void usart2_interrupt();
+void usart2_interrupt() {
+    telem1.interrupt();
+}
+
+void usart3_interrupt();
+void usart3_interrupt() {
+    telem2.interrupt();
 }
 
 void tim2_interrupt();

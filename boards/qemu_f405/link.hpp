@@ -14,10 +14,18 @@ inline constexpr char kToPlant[] = "to_plant";
 inline constexpr char kFromPlant[] = "from_plant";
 inline constexpr char kLog[] = "flight.ulg";
 inline constexpr char kNonvolatile[] = "nonvolatile";
-inline constexpr char kMission[] = "mission";  // need not be there
+inline constexpr uint32_t kNonvolatileHead = 4096;  // bytes before the memory's own
+inline constexpr char kMission[] = "mission";       // need not be there
 // As a word for the firmware: start again after a fault or when asked to, instead of ending the
 // emulation.
 inline constexpr char kRestart[] = "restart";
+
+// The serial lines telem1 and telem2, of which the emulator has the other ends: FIFOs of these
+// names with ".in" to the firmware and ".out" from it.
+inline constexpr std::array<const char*, 2> kLines{"telem1", "telem2"};
+// The rates that the firmware sets. The emulator moves bytes as fast as it can, so the plant keeps
+// to them.
+inline constexpr std::array<uint32_t, 2> kLine_baud{57'600, 921'600};
 
 struct ToPlant {
     enum class Kind : uint64_t {

@@ -8,8 +8,8 @@
 
 namespace stator::semihosting {
 
-// fopen's "rb", "r+b", "wb" and "w+b".
-enum class Mode : uint32_t { kRead = 1, kChange = 3, kWrite = 5, kMake = 7 };
+// fopen's "rb", "r+b" and "wb".
+enum class Mode : uint32_t { kRead = 1, kChange = 3, kWrite = 5 };
 
 // A file of the host. Each call says whether it did all that was asked; the host may block it.
 class File {

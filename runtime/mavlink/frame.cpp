@@ -3,8 +3,10 @@
 
 namespace stator::mav {
 
+// A payload's zeros at its end do not travel, but for the first byte.
 void FrameBytes::finish(uint32_t id, uint8_t crc_extra, std::size_t length, uint8_t sequence,
                         Address source) {
+    while (length > 1 && bytes_[kHeaderBytes + length - 1] == 0) --length;
     const std::array<uint8_t, kHeaderBytes> header{kStart,
                                                    static_cast<uint8_t>(length),
                                                    0,

@@ -2,15 +2,19 @@
 // says, answers with what the sensors saw, and prints facts of the run as JSON.
 //
 // Takes the options of a simulated flight; --log and --times mean nothing here. Works in the
-// current folder. Exit status: 0 the firmware ended the flight; 1 it went away, or a file could not
-// be written whole; 2 a wrong argument, or a file that cannot be opened.
+// current folder. A signal ends a flight in order. Exit status: 0 the firmware ended the flight; 1
+// it went away, or a file could not be written whole; 2 a wrong argument, or a file that cannot be
+// opened.
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <string>
 #include <thread>
 
 #include "../link.hpp"
+#include "line.hpp"
 #include "sensors.hpp"
 #include "world/ending.hpp"
 #include "world/flight_facts.hpp"
@@ -37,12 +41,27 @@ struct Files {
     return false;
 }
 
+using Lines = std::array<plant::Line, link::kLines.size()>;
+
+// False after one line that says what is wrong.
+[[nodiscard]] bool open_lines(const world::Options& options, Lines& lines) {
+    for (unsigned i = 0; i < options.mavlink_count; ++i) {
+        const std::string wrong =
+            lines[i].open(options.mavlink[i], link::kLines[i], link::kLine_baud[i]);
+        if (wrong.empty()) continue;
+        std::fprintf(stderr, "error: --mavlink '%s': %s\n", options.mavlink[i], wrong.c_str());
+        return false;
+    }
+    return true;
+}
+
 class Server {
   public:
-    Server(const world::Options& options, const Files& files)
+    Server(const world::Options& options, const Files& files, Lines& lines)
         : world_(options.conditions),
           sensors_(world_),
           files_(files),
+          lines_(lines),
           duration_us_(options.duration_us),
           speed_(options.speed),
           truth_is_whole_(files.truth == nullptr || world::write_truth_head(files.truth)) {}
@@ -81,6 +100,7 @@ class Server {
 
     bool step(uint64_t time_us) {
         keep_pace(time_us);
+        for (plant::Line& line : lines_) line.move(time_us);
         link::FromPlant answer{};
         while (world_.next_event_us() <= time_us && world_.next_event_us() <= duration_us_) {
             world_.move_to_next_event();
@@ -104,6 +124,7 @@ class Server {
     world::World world_;
     board::Sensors sensors_;
     Files files_;
+    Lines& lines_;
     uint64_t duration_us_;
     double speed_;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
@@ -135,13 +156,15 @@ int main(int count, char** arguments) {
     if (!world::parse(count, arguments, options)) return 2;
     world::end_by_signals();
     Files files;
+    Lines lines;
+    if (!open_lines(options, lines)) return 2;
     if (!open(options.truth, "wb", files.truth) ||
         !open(link::kToPlant, "rb", files.from_firmware) ||
         !open(link::kFromPlant, "wb", files.to_firmware)) {
         return 2;
     }
     const auto begin = std::chrono::steady_clock::now();
-    Server server(options, files);
+    Server server(options, files, lines);
     const bool finished = server.run();
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
     print(server, wall.count());

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import signal
 from typing import TYPE_CHECKING
@@ -30,6 +31,15 @@ from stator.flight.arguments import (
 )
 from stator.flight.facts import alone, facts_of, keep, mission_facts
 from stator.flight.kept import keeping, kept_facts, log_of
+from stator.flight.mavlink import (
+    add_mavlink_argument,
+    check_mavlink,
+    complete_mavlink,
+    mavlink_options,
+    serial_lines,
+    tell_mavlink,
+)
+from stator.flight.nonvolatile import add_nonvolatile_argument, nonvolatile_of, opened
 from stator.flight.progress import progress
 from stator.flight.report import report
 from stator.flight.restarts import Endings
@@ -62,13 +72,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--speed",
         type=speed_of,
         metavar="FACTOR",
-        help="highest speed, as a multiple of real time (default: no limit)",
+        help="highest speed, as a multiple of real time (default: no limit; with --mavlink 1)",
     )
+    add_nonvolatile_argument(parser, "none: they are gone at the end")
+    add_mavlink_argument(parser)
 
 
 def main(arguments: argparse.Namespace) -> int:
     """0 if the flight was successful; 1 if it failed or could not be judged."""
+    complete_mavlink(arguments)
     mission = complete(arguments)
+    check_mavlink(arguments)
     log = log_of(arguments, [], ".emulated")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     faults = faults_of(arguments)
@@ -78,19 +92,34 @@ def main(arguments: argparse.Namespace) -> int:
     plant = build_plant()
     link = None if arguments.link is None else socket_place(arguments.link)
     options = ["--truth", str(truth.resolve()), *flight_options(arguments), *place_options(mission)]
+    options += mavlink_options(arguments)
     if arguments.speed is not None:
         options += ["--speed", f"{arguments.speed:.6f}"]
     name = f"emulating {arguments.graph.stem}, seed {arguments.seed}"
+    tell_mavlink(arguments)
+    is_guided = bool(arguments.mavlink)
+    kept_records = nonvolatile_of(arguments, log) if arguments.nonvolatile else None
     with (
+        serial_lines(arguments),
         with_graph(link, arguments.graph),
         keeping(log, arguments) as kept,
         alone(log),
         progress(name, truth, arguments.duration),
-        memory_of(mission) as memory,
+        memory_of(mission, is_guided=is_guided) as memory,
+        opened(kept_records) if kept_records else contextlib.nullcontext() as records,
         Endings() as endings,
     ):
-        command = [str(plant), *options]
-        finished = fly(emulator, image, command, log, link=link, mission=memory, endings=endings)
+        finished = fly(
+            emulator,
+            image,
+            [str(plant), *options],
+            log,
+            link=link,
+            mission=memory,
+            records=records,
+            lines=len(arguments.mavlink),
+            endings=endings,
+        )
         heard = signal.Signals(endings.heard) if endings.heard else None
         if heard and finished.returncode != 0:  # it was asked twice
             raise KeyboardInterrupt
@@ -104,11 +133,12 @@ def main(arguments: argparse.Namespace) -> int:
             mission,
             cut=cut_of(arguments, heard),
             judges=is_judged(arguments),
+            is_guided=is_guided,
             is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
             setting=setting_of(arguments, mission),
         )
-    if heard and facts["success"]:  # nothing was judged
+    if heard and not is_guided and facts["success"]:  # nothing was judged
         facts |= {"success": False, "reason": cut_of(arguments, heard)}
     facts |= kept_facts(kept) | mission_facts(arguments, mission)
     facts |= failures_of(faults) | rates_of(arguments)
@@ -121,6 +151,6 @@ def main(arguments: argparse.Namespace) -> int:
         print(json.dumps(facts, indent=2))
     else:
         report(facts)
-    if heard:
+    if heard and not is_guided:  # that is how a flight with a ground station ends
         return SIGNALLED + heard
     return 0 if facts["success"] else ANSWER_IS_NO

@@ -8,7 +8,6 @@ import signal
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stator import HOME
 from stator.build.cmake import PREEMPTION, SANITIZE, build
 from stator.diagnostics import ANSWER_IS_NO, SIGNALLED, UserError
 from stator.flight.arguments import (
@@ -33,9 +32,9 @@ from stator.flight.arguments import (
 from stator.flight.facts import NOT_WHOLE, alone, facts_of, keep, mission_facts
 from stator.flight.kept import keeping, kept_facts, log_of
 from stator.flight.mavlink import (
-    ENDLESS_S,
     add_mavlink_argument,
     check_mavlink,
+    complete_mavlink,
     mavlink_options,
     serial_lines,
     tell_mavlink,
@@ -78,10 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     """0 if the flight was successful; 1 if it failed or could not be judged."""
-    if arguments.mavlink:
-        arguments.speed = arguments.speed or 1.0
-        arguments.duration = arguments.duration or ENDLESS_S
-        arguments.graph = arguments.graph or HOME / "graph" / "quad_outdoor.yaml"
+    complete_mavlink(arguments)
     mission = complete(arguments)
     check_mavlink(arguments)
     faults = faults_of(arguments)

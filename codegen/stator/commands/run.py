@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stator import HOME
 from stator.arguments import path
 from stator.build.cmake import build
 from stator.diagnostics import (
@@ -42,14 +41,19 @@ from stator.flight.arguments import (
 from stator.flight.facts import complaint_of, facts_of, keep, mission_facts
 from stator.flight.kept import default_log, keeping, kept_facts, log_of
 from stator.flight.mavlink import (
-    ENDLESS_S,
     add_mavlink_argument,
     check_mavlink,
+    complete_mavlink,
     mavlink_options,
     serial_lines,
     tell_mavlink,
 )
-from stator.flight.nonvolatile import nonvolatile_facts, nonvolatile_of, nonvolatile_rows
+from stator.flight.nonvolatile import (
+    add_nonvolatile_argument,
+    nonvolatile_facts,
+    nonvolatile_of,
+    nonvolatile_rows,
+)
 from stator.flight.params import add_param_argument, param_facts
 from stator.flight.progress import progress
 from stator.flight.report import flight_rows, log_rows, show, watch_rows
@@ -122,13 +126,7 @@ def _add_device_arguments(parser: argparse.ArgumentParser) -> None:
         help="simulate them on this interface; your own program or bridge connects it to the "
         "vehicle's interface",
     )
-    devices.add_argument(
-        "--nonvolatile",
-        type=path,
-        metavar="FILE",
-        help="file of the records that survive a restart, for example the ids of parts on a CAN "
-        "bus (default: a .records file beside the log); a new file is empty",
-    )
+    add_nonvolatile_argument(devices, "a .records file beside the log")
     add_mavlink_argument(devices)
 
 
@@ -161,9 +159,7 @@ def cpus_of(text: str) -> int:
 def main(arguments: argparse.Namespace) -> int:
     """0 if it ran to its end, and a vehicle flew within all limits; 1 if not, or if the flight
     could not be judged; 128 plus the number of the signal that ended it."""
-    if arguments.mavlink:
-        arguments.duration = arguments.duration or ENDLESS_S
-        arguments.graph = arguments.graph or HOME / "graph" / "quad_outdoor.yaml"
+    complete_mavlink(arguments)
     mission = complete(arguments)
     check_mavlink(arguments)
     tell_mavlink(arguments)

@@ -17,8 +17,11 @@ from stator.processes import start
 
 # boards/qemu_f405/link.hpp
 FIFOS = ("to_plant", "from_plant")
+LINES = ("telem1", "telem2")
 LOG = "flight.ulg"
 MISSION = "mission"
+RECORDS = "nonvolatile"
+RECORDS_BYTES = 4096 + 16384  # the head, and the memory
 
 # QEMU 7 has the same chip only under another name, without its priority bits and its memory.
 MACHINE = "olimex-stm32-h405"
@@ -72,10 +75,12 @@ def qemu_command(
     shift: int = SHIFT,
     argument: str = "",
     link: Path | None = None,
+    lines: int = 0,
 ) -> list[str]:
     """`shift`: an instruction takes 2^shift nanoseconds. `argument`: for the firmware. `link`: a
-    socket that is its serial port."""
-    serial = "none" if link is None else f"unix:{link},server=on,wait=off"
+    socket that is its first serial port. `lines`: how many of the next ones are FIFOs."""
+    serial = ["none" if link is None else f"unix:{link},server=on,wait=off"]
+    serial += [f"pipe:{name}" for name in LINES[:lines]]
     option = f",arg={argument}" if argument else ""
     return [
         *(
@@ -87,7 +92,8 @@ def qemu_command(
             "-icount",
             f"shift={shift},align=off,sleep=off",
         ),
-        *("-display", "none", "-monitor", "none", "-serial", serial, "-nic", "none"),
+        *("-display", "none", "-monitor", "none", "-nic", "none"),
+        *(word for place in serial for word in ("-serial", place)),
         *("-semihosting-config", f"enable=on,target=native{option}"),
     ]
 
@@ -101,25 +107,33 @@ def fly(
     argument: str = "",
     link: Path | None = None,
     mission: Path | None = None,
+    records: Path | None = None,
+    lines: int = 0,
     endings: Endings | None = None,
 ) -> subprocess.CompletedProcess[str]:
     """Runs both sides to their end. Returns the plant's output, and as errors: after a failure the
     messages of both, else the text that the firmware printed. `mission`: the memory of the mission
-    device. `endings`: of the signals that end the flight in order."""
+    device. `records`: the memory that outlives the flight; None: an empty one, which does not.
+    `lines`: how many serial lines the plant passes on. `endings`: of the signals that end the
+    flight in order."""
     (HOME / "build").mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="emulate-", dir=HOME / "build") as name:
         folder = Path(name)
-        for fifo in FIFOS:
+        for fifo in (*FIFOS, *(f"{name}.{end}" for name in LINES[:lines] for end in ("in", "out"))):
             os.mkfifo(folder / fifo)
         if mission is not None:
             shutil.copy(mission, folder / MISSION)
+        if records is not None:
+            (folder / RECORDS).symlink_to(records.resolve())
+        else:
+            (folder / RECORDS).write_bytes(bytes(RECORDS_BYTES))
         if endings is None:
             endings = Endings()  # which hears none
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         # SIGXFSZ stays ignored, as Python has it: a file at its size limit costs the log, not the
         # flight.
         world = endings.start(plant, cwd=folder, restore_signals=False)
-        command = qemu_command(emulator, image.resolve(), shift, argument, link)
+        command = qemu_command(emulator, image.resolve(), shift, argument, link, lines)
         # In a group of its own, as Ctrl-C is for the plant, which ends the flight.
         options = {"cwd": folder, "restore_signals": False, "process_group": 0}
         machine = start(command, **options, **pipes)

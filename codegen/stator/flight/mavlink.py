@@ -11,6 +11,7 @@ import termios
 import tty
 from typing import TYPE_CHECKING
 
+from stator import HOME
 from stator.diagnostics import UserError, shown_path
 from stator.pipeline import make_plan
 
@@ -49,6 +50,14 @@ def place_of(text: str) -> str:
     if not 0 < int(port) <= _MAX_PORT:
         raise argparse.ArgumentTypeError(f"expected {_FORMS}, found '{text}'")
     return f"udp:{udp[1] or '127.0.0.1'}:{port}" if udp else text
+
+
+def complete_mavlink(arguments: argparse.Namespace) -> None:
+    """The defaults of a flight with MAVLink, which others fly and end."""
+    if arguments.mavlink:
+        arguments.speed = arguments.speed or 1.0
+        arguments.duration = arguments.duration or ENDLESS_S
+        arguments.graph = arguments.graph or HOME / "graph" / "quad_outdoor.yaml"
 
 
 def check_mavlink(arguments: argparse.Namespace) -> None:

@@ -1,6 +1,8 @@
 // The CAN controller of STM32F4 chips as a device of a graph.
 #pragma once
 
+#include <optional>
+
 #include "bxcan_port.hpp"
 
 namespace stator::drivers::can::bxcan {
@@ -14,13 +16,19 @@ class CanBxcan {
         uint32_t bit_rate;
     };
 
-    explicit CanBxcan(Device& device)
-        : driver_(BxcanPort<bxcan::Memory>({device.base},
-                                           bxcan::bit_timing(device.clock_hz, device.bit_rate))) {}
-    void step(CanPorts& ports) { driver_.step(ports); }
+    explicit CanBxcan(Device& device) : device_(device) {}
+    // The board fills the device in after this object was made, so the driver begins here.
+    void step(CanPorts& ports) {
+        if (!driver_) {
+            driver_.emplace(
+                BxcanPort<Memory>({device_.base}, bit_timing(device_.clock_hz, device_.bit_rate)));
+        }
+        driver_->step(ports);
+    }
 
   private:
-    CanDriver<BxcanPort<bxcan::Memory>> driver_;
+    Device& device_;
+    std::optional<CanDriver<BxcanPort<Memory>>> driver_;
 };
 
 }  // namespace stator::drivers::can::bxcan

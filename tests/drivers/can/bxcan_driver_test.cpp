@@ -2,9 +2,11 @@
 // registers' model for the chip's. No chip has run it.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <vector>
 
 #include "bxcan_wire.hpp"
+#include "can_bxcan.hpp"
 #include "stator/testing.hpp"
 
 namespace stator::drivers::can::bxcan {
@@ -50,6 +52,19 @@ struct BxcanDriver : ::testing::Test {
     CanInterfaceStatus status{};
     uint64_t now_us = 1'000'000;
 };
+
+// On bare metal, objects are made before the board starts its devices.
+TEST(CanBxcan, takes_what_the_board_filled_in_after_it_was_made) {
+    std::array<uint32_t, 160> registers{};
+    CanBxcan::Device device{};
+    CanBxcan driver(device);
+    device = {.base = reinterpret_cast<uintptr_t>(registers.data()),
+              .clock_hz = 42'000'000,
+              .bit_rate = 1'000'000};
+    CanPorts ports{.now = 1000};
+    driver.step(ports);
+    EXPECT_EQ(registers[0], kInitRequest);
+}
 
 TEST_F(BxcanDriver, each_activation_ends_with_open_lines) {
     model.receive(testing::message(0x100));

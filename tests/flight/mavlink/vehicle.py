@@ -41,10 +41,11 @@ def free_port(kind: socket.SocketKind = socket.SOCK_DGRAM) -> int:
 
 
 @contextlib.contextmanager
-def flying(log: Path, *options: str) -> Iterator[dict[str, Any]]:
-    """A flight in the background, which ends with the block. Then the result has its facts."""
+def flying(log: Path, *options: str, how: str = "fly") -> Iterator[dict[str, Any]]:
+    """A flight in the background, which ends with the block. Then the result has its facts.
+    `how`: the command."""
     result: dict[str, Any] = {}
-    command = [*COMMAND, "fly", str(OUTDOOR), *options, "-o", str(log), "--json"]
+    command = [*COMMAND, how, str(OUTDOOR), *options, "-o", str(log), "--json"]
     pipe = subprocess.PIPE
     with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process:
         try:

@@ -2,78 +2,57 @@
 // order.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
-#include <concepts>
-#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
-#include <type_traits>
 
 namespace stator::mav {
 
-// The unsigned integer of a type's size.
-template <class Value>
-using BitsOf = std::conditional_t<
-    sizeof(Value) == 1, uint8_t,
-    std::conditional_t<sizeof(Value) == 2, uint16_t,
-                       std::conditional_t<sizeof(Value) == 4, uint32_t, uint64_t>>>;
+// As the processors of all boards have them.
+static_assert(std::endian::native == std::endian::little);
 
-// Writes fields into storage that holds them all.
+// Writes fields into storage that holds them all. Arrays are as long as their items.
 class ToBytes {
   public:
-    explicit ToBytes(std::span<uint8_t> bytes) : bytes_(bytes) {}
+    explicit ToBytes(std::span<uint8_t> bytes) : at_(bytes.data()) {}
 
     template <class Value>
-    requires std::is_arithmetic_v<Value>
     void field(const Value& value) {
-        auto bits = std::bit_cast<BitsOf<Value>>(value);
-        for (std::size_t i = 0; i < sizeof(Value); ++i) {
-            bytes_[at_++] = static_cast<uint8_t>(bits);
-            if constexpr (sizeof(Value) > 1) bits = static_cast<BitsOf<Value>>(bits >> 8);
-        }
-    }
-    template <class Value, std::size_t kCount>
-    void field(const std::array<Value, kCount>& values) {
-        for (const Value& value : values) field(value);
+        std::memcpy(at_, &value, sizeof value);
+        at_ += sizeof value;
     }
 
   private:
-    std::span<uint8_t> bytes_;
-    std::size_t at_ = 0;
+    uint8_t* at_;
 };
 
-// Reads fields. What lies behind the end reads as zero: senders leave out zeros at the end.
+// Reads fields from storage that holds them all.
 class FromBytes {
   public:
-    explicit FromBytes(std::span<const uint8_t> bytes) : bytes_(bytes) {}
+    explicit FromBytes(std::span<const uint8_t> bytes) : at_(bytes.data()) {}
 
     template <class Value>
-    requires std::is_arithmetic_v<Value>
     void field(Value& value) {
-        BitsOf<Value> bits = 0;
-        for (std::size_t i = 0; i < sizeof(Value); ++i, ++at_) {
-            const BitsOf<Value> byte = at_ < bytes_.size() ? bytes_[at_] : uint8_t{0};
-            bits = static_cast<BitsOf<Value>>(bits | (byte << (8 * i)));
-        }
-        value = std::bit_cast<Value>(bits);
-    }
-    template <class Value, std::size_t kCount>
-    void field(std::array<Value, kCount>& values) {
-        for (Value& value : values) field(value);
+        std::memcpy(&value, at_, sizeof value);
+        at_ += sizeof value;
     }
 
   private:
-    std::span<const uint8_t> bytes_;
-    std::size_t at_ = 0;
+    const uint8_t* at_;
 };
 
-// Any payload decodes: one of an older or newer definition, too.
+// Any payload decodes: one of an older or newer definition, too. What lies behind its end reads as
+// zero: senders leave out zeros at the end.
 template <class Message>
 Message decode(std::span<const uint8_t> payload) {
+    std::array<uint8_t, Message::kLength> bytes{};
+    std::copy_n(payload.begin(), std::min(payload.size(), bytes.size()), bytes.begin());
     Message message;
-    FromBytes bytes(payload);
-    Message::visit(bytes, message);
+    FromBytes from(bytes);
+    Message::visit(from, message);
     return message;
 }
 

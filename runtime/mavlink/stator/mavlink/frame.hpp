@@ -45,16 +45,11 @@ class FrameBytes {
   public:
     std::span<const uint8_t> bytes() const { return std::span(bytes_).first(size_); }
 
-    // A payload's zeros at its end do not travel, but for the first byte.
     template <class Message>
     void put(const Message& message, uint8_t sequence, Address source) {
-        const std::span<uint8_t> payload =
-            std::span(bytes_).subspan(kHeaderBytes, Message::kLength);
-        ToBytes out(payload);
+        ToBytes out{std::span(bytes_).subspan(kHeaderBytes)};
         Message::visit(out, message);
-        std::size_t length = payload.size();
-        while (length > 1 && payload[length - 1] == 0) --length;
-        finish(Message::kId, Message::kCrcExtra, length, sequence, source);
+        finish(Message::kId, Message::kCrcExtra, Message::kLength, sequence, source);
     }
 
   private:
