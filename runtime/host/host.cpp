@@ -18,7 +18,7 @@ extern "C" const char __executable_start;  // of the linker: where the program l
 // A sanitizer reports first, and then aborts.
 #ifdef __SANITIZE_ADDRESS__
 extern "C" const char* __asan_default_options() {
-    return "abort_on_error=1:detect_leaks=0:handle_abort=0";
+    return "abort_on_error=1:detect_leaks=0:handle_abort=0:print_legend=0";
 }
 extern "C" const char* __ubsan_default_options() {
     return "abort_on_error=1:print_stacktrace=0";

@@ -121,6 +121,7 @@ def main(arguments: argparse.Namespace) -> int:
     facts |= param_facts(params) | failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())
+    facts["sanitized"] = arguments.sanitize
     facts |= {"wind_m_s": arguments.wind, "wind_from_deg": arguments.wind_from}
     keep(facts)
     if arguments.json:

@@ -158,7 +158,7 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     rows += [*log_rows(facts), *watch_rows(facts)]
     crash = facts.get("crash")
     if isinstance(crash, dict):
-        return [*rows, *_crash_rows(crash, str(facts["graph_file"]))]
+        return [*rows, *_crash_rows(crash, facts)]
     if not facts["success"]:
         rows += picture_row(facts)
         rows.append(("next", "repeat the command: it flies the same flight"))
@@ -172,16 +172,17 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     return rows
 
 
-def _crash_rows(crash: dict[str, object], graph: str) -> list[tuple[str, str]]:
+def _crash_rows(crash: dict[str, object], facts: dict[str, object]) -> list[tuple[str, str]]:
+    graph = shown_argument(Path(str(facts["graph_file"])))
     rows = []
     if crash["input"]:
         rows.append(("hint", f"test it before it is read: if (!ports.{crash['input']}) return;"))
     if crash["node"]:
         where = f"--node {crash['node']} --at {crash['at_s']:.6f}"
-        debug = f"./stator debug {shown_argument(Path(graph))} {where}"
+        debug = f"./stator debug {graph} {where}"
         rows.append(("next", f"stop there in a debugger, with the same options: {debug}"))
-    if not crash["input"] and crash["signal"] != "ENDLESS":
-        again = f"./stator fly {shown_argument(Path(graph))} --sanitize"
+    if not crash["input"] and crash["signal"] != "ENDLESS" and not facts.get("sanitized"):
+        again = f"./stator fly {graph} --sanitize"
         rows.append(("next", f"let sanitizers find the cause, with the same options: {again}"))
     return rows
 

@@ -110,6 +110,10 @@ def test_sanitizers_find_what_flies_without_them(
     crash = json.loads(out)["crash"]
     assert (crash["node"], crash["line"]) == ("breaks", line_of("bounds"))
     assert "index 8 out of bounds" in err
+    assert fly(project, 8, "--sanitize") == 1
+    assert "let sanitizers" not in capfd.readouterr().out
+    assert fly(project, 2) == 1
+    assert "let sanitizers" in capfd.readouterr().out
 
 
 @pytest.mark.skipif(shutil.which("gdb") is None, reason="gdb is not installed")
