@@ -4,7 +4,7 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE NO_SYSTEM_ENVIRONMENT_PATH NO_CMAKE_P
 
 add_library(stator_flags INTERFACE)
 target_compile_options(stator_flags INTERFACE
-    ${STATOR_OPTIMIZE}
+    $<IF:$<BOOL:$<TARGET_PROPERTY:STATOR_OPTIMIZE>>,$<TARGET_PROPERTY:STATOR_OPTIMIZE>,${STATOR_OPTIMIZE}>
     -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Werror
     -ffp-contract=off -fno-math-errno
     -fno-exceptions -fno-rtti -fno-threadsafe-statics
@@ -36,6 +36,7 @@ endif()
 # they are compiled once. They see no option of a graph, a board or an executor: all build folders
 # share them, by ccache. A folder of tests with other flags sets STATOR_PRECOMPILED to a name of its
 # own. The runtime, the world and clang-tidy compile without, so that a missing include shows.
+# The code of tests is optimised less, because it takes longer to compile than to run.
 set(STATOR_PRECOMPILED stator_precompiled)
 function(stator_precompile target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "TEST" "" "")
@@ -43,6 +44,7 @@ function(stator_precompile target)
     set(headers <Eigen/Core> <Eigen/Geometry>)
     if(arg_TEST)
         string(APPEND name _test)
+        set_target_properties(${target} PROPERTIES STATOR_OPTIMIZE -O1)
         list(APPEND headers <gtest/gtest.h>)
     endif()
     if(NOT TARGET ${name})
