@@ -166,13 +166,10 @@ function(stator_add_graph_parts target graph board)
     target_compile_options(${target}_generated PUBLIC ${quoted})
     target_link_libraries(${target}_generated PUBLIC ${libraries} ${target}_interfaces)
     stator_precompile(${target}_generated)
-    # Headers take most of the compilation of a task, so eight tasks are compiled as one file; each has
-    # a namespace of its own. Not in an image, whose figures are of files apart, nor where their
-    # definitions are compared.
-    if(NOT graph_executor STREQUAL "cortex_m" AND NOT STATOR_ODR)
+    # Headers take most of the compilation of a task, so eight files are compiled as one; each task has
+    # a namespace of its own. Not where their definitions are compared.
+    if(NOT STATOR_ODR)
         set_target_properties(${target}_generated PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
-        list(FILTER graph_sources EXCLUDE REGEX "/tasks/[^/]+$")
-        set_source_files_properties(${graph_sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     endif()
     stator_add_rules(${target} "$<TARGET_OBJECTS:${target}_generated>" "${graph_libraries}")
     set(graph_board "${graph_board}" PARENT_SCOPE)

@@ -13,7 +13,7 @@ constexpr ParameterRow kRows[] = {
     parameter::real({"counter.rest", "COUN_REST_OYVT", 0x762b31c8U, 0x9db4ddd2U}, 0, offsetof(CounterParams, rest), 0.0F, 10.0F, 0.0F),
 };
 
-constexpr ParameterTopic kTopics[] = {
+constexpr ParameterTopic kParameterTopics[] = {
     {&topics::counter_params, true},
 };
 
@@ -22,7 +22,7 @@ constexpr ParameterTopic kTopics[] = {
 constinit const ParameterTable parameter_table{
     .rows = kRows,
     .row_count = 2,
-    .topics = kTopics,
+    .topics = kParameterTopics,
     .topic_count = 1,
 };
 
