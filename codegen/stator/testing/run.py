@@ -115,8 +115,8 @@ def run_pytest(
     command += ["--continue-on-collection-errors", "-o", "junit_family=xunit1"]
     command += [f"--junitxml={report}"]
     command += ["-m", "long or not long" if long else "not long", *arguments]
-    if not arguments:  # everything: files of tests run side by side, one more than processors
-        workers = (os.cpu_count() or 1) + 1  # as the first ones wait most of their time
+    if not arguments:  # everything: files of tests run side by side, two for each processor, as
+        workers = 2 * (os.cpu_count() or 1)  # many wait: for a lock, an emulator, real time
         command += ["-n", str(workers), "--dist", "loadfile", "--no-loadscope-reorder"]
     print("Python tests: pytest", flush=True)
     finished = subprocess.run(
