@@ -14,7 +14,7 @@ using Vector3 = math::Vector3<float>;
 
 struct Quad {
     std::array<Vector2, kRotors> place_B;  // m, of each rotor: forward, rightward
-    Vector3 gyration2;                     // m^2, inertia over mass about each axis of B
+    Vector3 gyration2 = Vector3::Zero();   // m^2, inertia over mass about each axis of B
 
     // Roll and pitch torque of a unit of thrust along -z of B.
     Vector2 arm(unsigned i) const { return {-place_B[i].y(), place_B[i].x()}; }
