@@ -13,7 +13,8 @@
 
 #include "stator/running.hpp"
 
-extern "C" const char __executable_start;  // of the linker: where the program lies
+// Of the linker: where the program lies.
+extern "C" const char kProgramBegin __asm__("__executable_start");
 
 // A sanitizer reports first, and then aborts.
 #ifdef __SANITIZE_ADDRESS__
@@ -149,7 +150,7 @@ void report(const char* what, const void* context) {
     line.text(" at_us=");
     line.number(clock_us(), 10);
     line.text(" base=");
-    line.number(reinterpret_cast<uintptr_t>(&__executable_start), 16);
+    line.number(reinterpret_cast<uintptr_t>(&kProgramBegin), 16);
     line.text(" pc=");
     line.number(interrupted_at(context), 16);
     line.text(" frames=");

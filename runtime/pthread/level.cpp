@@ -86,7 +86,7 @@ class LevelThread {
     std::atomic<bool> has_ended_{false};
 };
 std::array<LevelThread, kMaxLevels> threads;
-std::array<Figures, kMaxLevels * kMaxTasksOfLevel> figures;  // by task
+std::array<Figures, std::size_t{kMaxLevels} * kMaxTasksOfLevel> figures;  // by task
 
 bool LevelThread::create(unsigned level) {
     place_ = level;

@@ -133,6 +133,7 @@ def _configure_tidy(root: Path, folder: Path, graph: str, board: str, options: l
             "--target",
             "stator_dronecan_codecs",
             "stator_mavlink_codecs",
+            "plant_devices",
         ],
         root,
     )

@@ -170,7 +170,7 @@ struct Pin {
 // The sample that the caller holds. `is_woken`: taken by `take_woken`.
 [[gnu::always_inline]] inline const std::byte* sample_of(const Topic& topic, const Pin& pin,
                                                          bool is_woken = false) {
-    if (topic.turns != nullptr || is_woken) return reinterpret_cast<const std::byte*>(pin.slot);
+    if (topic.turns != nullptr || is_woken) return std::bit_cast<const std::byte*>(pin.slot);
     return slot_at(topic, static_cast<uint32_t>(pin.slot));
 }
 
