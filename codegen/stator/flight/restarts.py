@@ -8,6 +8,7 @@ import select
 import signal
 import subprocess
 import sys
+import time
 from typing import TYPE_CHECKING, Any
 
 from stator.build.cpp_source import constant
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 RESTART = constant("boards/linux/main.cpp", "kRestart")
 # The shortest length that counts for one life: a program that restarts at once must end, too.
 MIN_LIFE_S = 0.1
+# What comes sooner is the same Ctrl-C: `timeout` signals the process, and then its whole group.
+SAME_S = 0.5
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -54,6 +57,7 @@ class Endings:
 
     def __init__(self) -> None:
         self.heard = 0
+        self._heard_s = 0.0
         self._process: subprocess.Popen[str] | None = None
 
     def __enter__(self) -> Endings:
@@ -86,7 +90,10 @@ class Endings:
         return process
 
     def _hear(self, number: int, _: FrameType | None) -> None:
-        again = self.heard != 0 and number == signal.SIGINT
+        now_s = time.monotonic()
+        again = self.heard != 0 and number == signal.SIGINT and now_s - self._heard_s > SAME_S
+        if self.heard == 0:
+            self._heard_s = now_s
         self.heard = number
         if number == signal.SIGHUP:
             _leave_closed_terminal()
