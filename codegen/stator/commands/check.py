@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.arguments import add_graph_arguments, add_verbose_argument
-from stator.build.cmake import build
+from stator.build.cmake import RECORDING, build
 from stator.diagnostics import ANSWER_IS_NO, Failed, show_errors, shown_path
 from stator.pipeline import make_plan
 from stator.plan.text import show_notes
@@ -38,7 +38,7 @@ def main(arguments: argparse.Namespace) -> int:
             show_errors(failed)
         return ANSWER_IS_NO
     if arguments.code:
-        build(Path(arguments.graph), "sitl")
+        build(Path(arguments.graph), "sitl", RECORDING)  # as `fly` does
     if arguments.json:
         from stator.plan.hash import graph_hash
 
