@@ -38,7 +38,10 @@ def main(arguments: argparse.Namespace) -> int:
             show_errors(failed)
         return ANSWER_IS_NO
     if arguments.code:
-        build(Path(arguments.graph), "sitl", RECORDING)  # as `fly` does
+        from stator.emit.recording import is_recordable
+
+        # What `fly` builds, so that neither of them builds it twice.
+        build(Path(arguments.graph), "sitl", RECORDING if is_recordable(plan) else {})
     if arguments.json:
         from stator.plan.hash import graph_hash
 
