@@ -51,7 +51,7 @@ def run_project(project: Path, names: list[str], long: bool) -> list[Case]:
         options = [f"-DSTATOR_PROJECT={project}", "-DSTATOR_TESTS=OFF"]
         environment = environment_of_tests(HOME)
         try:
-            configure(folder, options, [])
+            configure(folder, options, ["build.ninja"])  # again if a folder of tests is new
             all_of_it = selection == EVERYTHING
             targets = ["all_tests"] if all_of_it else targets_of(selection, folder)
             if targets:

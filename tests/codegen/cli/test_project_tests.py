@@ -53,6 +53,11 @@ def test_the_test_that_new_app_writes_passes_and_can_fail(
     assert capfd.readouterr().out.splitlines()[-1] == "1 passed, 0 failed, 0 skipped"
     assert cli.main(["test", str(test)]) == 1
 
+    monkeypatch.chdir(project)  # one more app, of which only this is built
+    assert cli.main(["new", "app", "tilted"]) == 0
+    assert cli.main(["test", "tests/apps/tilted"]) == 0
+    assert capfd.readouterr().out.splitlines()[-1] == "2 passed, 0 failed, 0 skipped"
+
 
 def test_a_graph_flies_in_a_test(project: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["new", "graph", "lean_quad", "--app", "lean"]) == 0
