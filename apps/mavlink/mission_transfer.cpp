@@ -134,6 +134,7 @@ void MissionTransfer::end(Link& link, uint32_t outcome, uint32_t opaque_id) {
 
 void MissionTransfer::ask_next(Link& link, uint64_t now_us) {
     upload_.asked_us = now_us;
+    upload_.is_asked = true;
     mav::MissionRequestInt request{.seq = upload_.next,
                                    .target_system = upload_.from.system,
                                    .target_component = upload_.from.component};
@@ -177,13 +178,14 @@ void MissionTransfer::open_list(MavlinkPorts& ports) {
     });
 }
 
-// What is not the next item is not taken: the next one is asked for again.
+// What is not the next item, or was not asked for, is not taken: it is asked for again. So a station
+// that answers fast, or unasked, cannot hand over more than the device takes.
 void MissionTransfer::take(Link& link, mav::Address from, const mav::MissionItemInt& item,
                            MavlinkPorts& ports) {
     const bool is_ours = upload_.is_one && !upload_.is_committed && upload_.from == from &&
                          upload_.list == item.mission_type;
     if (!is_ours || item.seq >= upload_.count) return;
-    if (item.seq != upload_.next) return;
+    if (item.seq != upload_.next || !upload_.is_asked) return;
     const uint32_t outcome = verdict(upload_.list, item);
     if (outcome != result::kAccepted) {
         tell_refusal(link, item);
@@ -208,7 +210,7 @@ void MissionTransfer::take(Link& link, mav::Address from, const mav::MissionItem
         return part;
     });
     ++upload_.next;
-    if (upload_.next < upload_.count) ask_next(link, ports.now);
+    upload_.is_asked = false;
 }
 
 // Asks again, commits, and tells what became of it.
@@ -238,7 +240,8 @@ void MissionTransfer::go_on(Link& link, MavlinkPorts& ports) {
     if (ports.now - upload_.heard_us > kPatience_us) {
         return end(link, result::kOperationCancelled, 0);
     }
-    if (ports.now - upload_.asked_us >= kAskAgain_us) ask_next(link, ports.now);
+    const uint64_t pause_us = upload_.is_asked ? kAskAgain_us : kAskNext_us;
+    if (ports.now - upload_.asked_us >= pause_us) ask_next(link, ports.now);
 }
 
 void MissionTransfer::tell_count(Link& link, mav::Address to, uint8_t list,

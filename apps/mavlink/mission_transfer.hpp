@@ -32,6 +32,8 @@ class MissionTransfer {
     static constexpr unsigned kLists = 3;
     static constexpr unsigned kLines = 2;
     static constexpr uint64_t kAskAgain_us = 250'000;
+    // Between questions. The device takes what came in 100 ms at once, from a queue of 8.
+    static constexpr uint64_t kAskNext_us = 20'000;
     static constexpr uint64_t kPatience_us = 5'000'000;
     static constexpr uint64_t kKept_us = 2'000'000;  // until the device must have it
     static constexpr uint64_t kRepeated_us = 100'000;
@@ -46,6 +48,7 @@ class MissionTransfer {
         uint8_t told = 0;  // list, as the station named it
         uint16_t count = 0;
         uint16_t next = 0;
+        bool is_asked = false;  // for the next one
         uint32_t refused = 0;  // of the device, before it
         uint64_t begun_us = 0;
         uint64_t heard_us = 0;

@@ -105,6 +105,27 @@ TEST_F(MissionTransferTest, AnItemThatIsLostIsAskedForAgain) {
     EXPECT_EQ(lists_[0].size(), 5U);
 }
 
+// The device takes parts each 100 ms, from a queue of 8.
+TEST_F(MissionTransferTest, AStationThatAnswersAtOnceOrUnaskedDoesNotFloodTheDevice) {
+    send_count(40);
+    unsigned most = 0;
+    std::size_t before = 0;
+    for (unsigned i = 0; i < 300 && acks().empty(); ++i) {
+        step();
+        const auto asked = heard<mav::MissionRequestInt>();
+        const auto unasked = static_cast<uint16_t>(new_items_.size());
+        const bool is_answer = i % 3 != 0 && !asked.empty();
+        send(item(is_answer ? asked.back().seq : unasked));
+        if (i % 10 != 0) continue;
+        most = std::max(most, static_cast<unsigned>(new_items_.size() - before));
+        before = new_items_.size();
+    }
+    ASSERT_EQ(acks().size(), 1U);
+    EXPECT_EQ(acks().front().type, static_cast<int>(result::kAccepted));
+    EXPECT_EQ(lists_[0].size(), 40U);
+    EXPECT_LE(most, 6U);  // with the begin and the commit 8
+}
+
 TEST_F(MissionTransferTest, AnUploadThatStopsChangesNothing) {
     ASSERT_EQ(upload(3), static_cast<int>(result::kAccepted));
     const uint32_t id = mission_.mission_id;

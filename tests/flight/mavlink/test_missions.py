@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import pytest
 from pyulog import ULog
 from tests.flight.mavlink.vehicle import NAN, Item, Station, flying, free_port, mavlink
 
@@ -70,7 +69,6 @@ def test_plans_go_there_and_back_and_a_mission_is_flown(tmp_path: Path) -> None:
     assert max(result["seq_reached"]) >= 5
 
 
-@pytest.mark.long  # once, on a busy machine, an upload was answered with an error: cause not found
 def test_a_hundred_items(tmp_path: Path) -> None:
     """Handed over in less than 10 s of the vehicle's time, each way."""
     port = free_port()
