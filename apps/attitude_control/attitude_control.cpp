@@ -61,8 +61,29 @@ bool is_armed(const AttitudeControlPorts& ports) {
     return ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
 }
 
+// Null: there is none of its kind.
+const OffboardSetpoint* offboard(const AttitudeControlPorts& ports, OffboardSetpoint::Kind kind) {
+    const bool is_mode =
+        ports.status && ports.status->nav_state == VehicleStatus::NavState::kOffboard;
+    return is_mode && ports.offboard && ports.offboard->kind == kind ? &*ports.offboard : nullptr;
+}
+
+VehicleAttitudeSetpoint attitude_of(const OffboardSetpoint& wanted) {
+    const float yaw_rate = math::is_finite(wanted.yawspeed) ? wanted.yawspeed : 0.0F;
+    return {.yaw_sp_move_rate = yaw_rate,
+            .q_d = wanted.q_d,
+            .thrust_body = {0.0F, 0.0F, -wanted.thrust}};
+}
+
 bool hears_pilot(const AttitudeControlPorts& ports) {
     return ports.sticks && ports.sticks->valid;
+}
+
+Vector3<float> limited(Vector3<float> rates, const AttitudeControlParams& params) {
+    const Vector3<float> limit(params.roll_rate_limit, params.pitch_rate_limit,
+                               params.yaw_rate_limit);
+    for (int i = 0; i < 3; ++i) rates[i] = math::clamp(rates[i], -limit[i], limit[i]);
+    return rates;
 }
 
 // Least at the lower end, hover in the middle, most at the upper end.
@@ -87,6 +108,12 @@ VehicleAttitudeSetpoint by_hand(const AttitudeControlPorts& ports, const Quatern
 }  // namespace
 
 Vector3<float> AttitudeControl::rates_setpoint(const AttitudeControlPorts& ports) {
+    const AttitudeControlParams& params = *ports.params;
+    if (const auto* const sent = offboard(ports, OffboardSetpoint::Kind::kRates)) {
+        thrust_body_ = {0.0F, 0.0F, -sent->thrust};
+        has_setpoint_ = true;
+        return limited(math::vector(sent->rates), params);
+    }
     const VehicleAttitude& attitude = ports.navigation ? *ports.navigation : *ports.attitude;
     const Quaternion<float> q_NB = math::quaternion(attitude.q);
     Quaternion<float> wanted = level(q_NB);
@@ -97,23 +124,21 @@ Vector3<float> AttitudeControl::rates_setpoint(const AttitudeControlPorts& ports
     VehicleAttitudeSetpoint setpoint{.q_d = {math::canonical_nan<float>()}};
     if (ports.setpoint && !awaits_pilot) setpoint = *ports.setpoint;
     if (by_sticks) setpoint = by_hand(ports, q_NB);
+    const OffboardSetpoint* const sent = offboard(ports, OffboardSetpoint::Kind::kAttitude);
+    if (sent != nullptr) setpoint = attitude_of(*sent);
     if (is_usable(setpoint)) {
         wanted = math::quaternion(setpoint.q_d);
         yaw_rate = setpoint.yaw_sp_move_rate;
-        thrust_body_ =
-            by_sticks ? setpoint.thrust_body : upheld(setpoint.thrust_body, wanted, q_NB);
+        thrust_body_ = by_sticks || sent != nullptr ? setpoint.thrust_body
+                                                    : upheld(setpoint.thrust_body, wanted, q_NB);
         has_setpoint_ = true;
     }
     if (!has_setpoint_) return Vector3<float>::Zero();
 
-    const AttitudeControlParams& params = *ports.params;
     const Vector3<float> gain(params.tilt_p, params.tilt_p, params.yaw_p);
-    const Vector3<float> limit(params.roll_rate_limit, params.pitch_rate_limit,
-                               params.yaw_rate_limit);
     Vector3<float> rates = gain.cwiseProduct(tilt_then_yaw(q_NB.conjugate() * wanted));
     rates += yaw_rate * down_B(q_NB);
-    for (int i = 0; i < 3; ++i) rates[i] = math::clamp(rates[i], -limit[i], limit[i]);
-    return rates;
+    return limited(rates, params);
 }
 
 void AttitudeControl::step(AttitudeControlPorts& ports) {

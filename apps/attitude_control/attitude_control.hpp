@@ -16,6 +16,8 @@ namespace stator::apps::attitude_control {
 // In the modes manual and stabilized the sticks are the setpoint; armed, one that is absent while
 // they are not heard.
 //
+// In the mode offboard the setpoint is the one that was sent, if it is an attitude or rates.
+//
 // Before the first setpoint it wants no rotation and no thrust; a setpoint that is absent later, or
 // not a number, reads as level at the present heading and the last thrust.
 class AttitudeControl {

@@ -17,6 +17,8 @@ constexpr float kLongestStep = 1.0F;
 constexpr float kLowThrottle = -0.9F;
 constexpr float kMoves = 0.2F;     // m/s, less than any descent
 constexpr float kStands_s = 5.0F;  // without that
+// Setpoints of the mode offboard come at least so often: 2 Hz, with some patience.
+constexpr float kProofOfLife_s = 0.6F;
 
 bool knows_height(const CommanderPorts& ports) {
     return ports.position && ports.position->z_valid && ports.position->v_z_valid &&
@@ -111,6 +113,13 @@ void Commander::take_place(const CommanderPorts& ports, float dt) {
     }
 }
 
+// Who spoke last, and when.
+void Commander::take_silence(const CommanderPorts& ports, float dt) {
+    no_setpoint_s_ = ports.offboard.is_new() ? 0.0F : math::min(no_setpoint_s_ + dt, kLong_s);
+    no_station_s_ = ports.station.is_new() ? 0.0F : math::min(no_station_s_ + dt, kLong_s);
+    if (ports.station) has_heard_station_ = true;
+}
+
 void Commander::take_events(const CommanderPorts& ports, float dt) {
     using Warning = BatteryStatus::Warning;
     const CommanderParams& params = *ports.params;
@@ -128,6 +137,8 @@ void Commander::take_events(const CommanderPorts& ports, float dt) {
         position_is_gone_.update(!knows_position(ports), dt, params.position_timeout));
     set(FailsafeEvent::kMotorLost, has_lost_a_motor(ports));
     set(FailsafeEvent::kRcLost, pilot_is_gone_.update(!hears_pilot(ports), dt, params.rc_timeout));
+    set(FailsafeEvent::kStationLost, has_heard_station_ && no_station_s_ >= params.station_timeout);
+    set(FailsafeEvent::kOffboardLost, no_setpoint_s_ >= params.offboard_timeout);
     set(FailsafeEvent::kGeofence, is_outside_fence(ports));
     set(FailsafeEvent::kMissionLost, !ports.result || !ports.result->valid);
     // A battery does not recover: a load that goes makes it look better for a while.
@@ -136,9 +147,10 @@ void Commander::take_events(const CommanderPorts& ports, float dt) {
     if (warning == Warning::kLow || is_critical) set(FailsafeEvent::kBatteryLow, true);
 }
 
-void Commander::choose(Nav mode) {
+void Commander::choose(const CommanderPorts& ports, Nav mode) {
     // From the ground a return would first climb.
-    if (!goes_on(mode, events_) || (mode == Nav::kReturn && is_on_ground_)) return;
+    if (!goes_on(mode, events_, *ports.params) || (mode == Nav::kReturn && is_on_ground_)) return;
+    if (mode == Nav::kOffboard && no_setpoint_s_ > kProofOfLife_s) return;
     mode_ = mode;
     failsafe_ = VehicleStatus::FailsafeEvent::kNone;
 }
@@ -168,8 +180,8 @@ void Commander::take_wish(const CommanderPorts& ports, float dt) {
     const bool moved = s.mode_slot != mode_slot_ || (return_was_on_ && !return_is_on);
     mode_slot_ = s.mode_slot;
     wish_ = static_cast<Nav>(mode_of_slot(*ports.params, s.mode_slot));
-    if (moved && !return_is_on) choose(wish_);
-    if (return_is_on && !return_was_on_) choose(Nav::kReturn);
+    if (moved && !return_is_on) choose(ports, wish_);
+    if (return_is_on && !return_was_on_) choose(ports, Nav::kReturn);
     return_was_on_ = return_is_on;
     take_arm_switch(ports, dt);
     const bool kills = s.kill_switch == Switch::KillSwitch::kOn;
@@ -193,7 +205,7 @@ void Commander::take_arm_switch(const CommanderPorts& ports, float dt) {
     if (!health_.can_arm || !throttle_is_safe) return;
     arming_left_s_ = 0.0F;
     arm(ports);
-    choose(wish_);
+    choose(ports, wish_);
 }
 
 // What a mission lacks counts only where it would be flown.
@@ -206,7 +218,8 @@ VehicleCommandAck::Result Commander::arm_by_command(const CommanderPorts& ports)
                         health.motors_ok && health.rc_ok && health.logging_ok &&
                         health.parameters_ok && health.mission_ok;
     const bool throttle_is_safe = !is_flown_by_hand(mode_) || ports.sticks->throttle < kLowThrottle;
-    if (!is_fit || !throttle_is_safe) return Result::kTemporarilyRejected;
+    const bool has_setpoints = mode_ != Nav::kOffboard || no_setpoint_s_ <= kProofOfLife_s;
+    if (!is_fit || !throttle_is_safe || !has_setpoints) return Result::kTemporarilyRejected;
     // The end of the flight before is not the begin of this one.
     const bool is_end = mode_ == Nav::kLand || mode_ == Nav::kDescend || mode_ == Nav::kReturn ||
                         mode_ == Nav::kTermination;
@@ -234,11 +247,11 @@ VehicleCommandAck::Result Commander::obey(const CommanderPorts& ports,
             return Result::kAccepted;
         case VehicleCommand::Action::kSetMode: {
             const auto mode = static_cast<Nav>(command.nav_state);
-            choose(mode);
+            choose(ports, mode);
             return result_of(mode_ == mode);
         }
         case VehicleCommand::Action::kGo:
-            if (is_armed_ && !is_on_ground_) choose(Nav::kHold);
+            if (is_armed_ && !is_on_ground_) choose(ports, Nav::kHold);
             return result_of(is_armed_ && !is_on_ground_ && mode_ == Nav::kHold);
         case VehicleCommand::Action::kSetItem:
             if (!ports.result || command.item >= ports.result->seq_total) return Result::kDenied;
@@ -261,7 +274,7 @@ void Commander::fly(const CommanderPorts& ports, float dt) {
                          ports.result->nav_state == static_cast<uint8_t>(mode_);
     if (is_over) {
         const auto reason = failsafe_;  // a return that was forced ends in a landing that was, too
-        choose(static_cast<Nav>(ports.result->next_nav_state));
+        choose(ports, static_cast<Nav>(ports.result->next_nav_state));
         failsafe_ = reason;
     }
     if (is_on_ground_) {
@@ -271,7 +284,7 @@ void Commander::fly(const CommanderPorts& ports, float dt) {
             return disarm();
         }
     } else {
-        const Fallback fallback = fall_back(mode_, events_);
+        const Fallback fallback = fall_back(mode_, events_, *ports.params);
         if (fallback.reason != VehicleStatus::FailsafeEvent::kNone) {
             mode_ = fallback.mode;
             failsafe_ = fallback.reason;
@@ -300,6 +313,7 @@ void Commander::step(CommanderPorts& ports) {
     const float dt = seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
     take_health(ports, dt);
     take_place(ports, dt);
+    take_silence(ports, dt);
     take_events(ports, dt);
     take_wish(ports, dt);
     take_command(ports);

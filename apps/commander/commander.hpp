@@ -20,10 +20,12 @@ class Commander {
 
   private:
     using Nav = VehicleStatus::NavState;
+    static constexpr float kLong_s = 1e5F;
 
     void take_health(const CommanderPorts& ports, float dt);
     void take_place(const CommanderPorts& ports, float dt);
     void take_events(const CommanderPorts& ports, float dt);
+    void take_silence(const CommanderPorts& ports, float dt);
     void take_wish(const CommanderPorts& ports, float dt);
     void take_arm_switch(const CommanderPorts& ports, float dt);
     void take_command(CommanderPorts& ports);
@@ -32,7 +34,7 @@ class Commander {
     void fly(const CommanderPorts& ports, float dt);
     void arm(const CommanderPorts& ports);
     void disarm();
-    void choose(Nav mode);
+    void choose(const CommanderPorts& ports, Nav mode);
     void disarm_where_due(const CommanderPorts& ports, float dt);
 
     HealthReport health_{};
@@ -42,6 +44,9 @@ class Commander {
     Hysteresis position_is_gone_;
     Hysteresis pilot_is_gone_;
     Events events_ = 0;
+    float no_setpoint_s_ = kLong_s;  // for the mode offboard
+    float no_station_s_ = 0.0F;
+    bool has_heard_station_ = false;
 
     bool is_armed_ = false;
     bool has_flown_ = false;    // since it was armed last

@@ -19,11 +19,12 @@ struct Fallback {
     VehicleStatus::FailsafeEvent reason;  // none: the mode goes on
 };
 
-// One step down: by the most urgent of the events that does not go on.
-constexpr Fallback fall_back(VehicleStatus::NavState mode, Events events) {
+// One step down: by the most urgent of the events that does not go on. `params` choose columns.
+template <class Params>
+constexpr Fallback fall_back(VehicleStatus::NavState mode, Events events, const Params& params) {
     for (unsigned event = 0; event < kFailsafeEvents; ++event) {
         if ((events >> event & 1U) == 0) continue;
-        const VehicleStatus::NavState next = after(mode, static_cast<FailsafeEvent>(event));
+        const VehicleStatus::NavState next = after(mode, static_cast<FailsafeEvent>(event), params);
         if (next != mode) return {next, static_cast<VehicleStatus::FailsafeEvent>(event + 1)};
     }
     return {mode, VehicleStatus::FailsafeEvent::kNone};
@@ -39,8 +40,9 @@ constexpr VehicleStatus::FailsafeEvent disarming(VehicleStatus::NavState mode, E
     return VehicleStatus::FailsafeEvent::kNone;
 }
 
-constexpr bool goes_on(VehicleStatus::NavState mode, Events events) {
-    return fall_back(mode, events).reason == VehicleStatus::FailsafeEvent::kNone;
+template <class Params>
+constexpr bool goes_on(VehicleStatus::NavState mode, Events events, const Params& params) {
+    return fall_back(mode, events, params).reason == VehicleStatus::FailsafeEvent::kNone;
 }
 
 }  // namespace stator::apps::commander

@@ -28,6 +28,7 @@ inline constexpr std::array kFlightModes{
     FlightMode{VehicleStatus::NavState::kLand, 4, 6, false, true},
     FlightMode{VehicleStatus::NavState::kDescend, 4, 6, false, false},
     FlightMode{VehicleStatus::NavState::kTermination, 1, 0, false, false},
+    FlightMode{VehicleStatus::NavState::kOffboard, 6, 0, false, true},
     FlightMode{VehicleStatus::NavState::kStabilized, 7, 0, true, true},
 };
 

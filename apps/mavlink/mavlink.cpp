@@ -142,6 +142,7 @@ void Mavlink::handle(unsigned number, const mav::Frame& frame, MavlinkPorts& por
             return;
         }
         default:
+            if (control_.handle(number, frame, own_, telemetry_, ports)) return;
             if (plans_.handle(link(number), number, frame, ports)) return;
             parameters_.handle(link(number), number, frame, ports);
             return;
@@ -203,6 +204,7 @@ void Mavlink::step(MavlinkPorts& ports) {
     receive(0, ports.received1, ports);
     receive(1, ports.received2, ports);
     take_answers(ports);
+    control_.publish(ports);
     plans_.step(lines_, ports);
     parameters_.step(lines_, ports);
     tell_reached(ports);

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "control.hpp"
 #include "link.hpp"
 #include "mavlink_ports.hpp"
 #include "mission_transfer.hpp"
@@ -78,6 +79,7 @@ class Mavlink {
 
     std::array<Line, kLinks> lines_;
     Telemetry telemetry_;
+    Control control_;
     MissionTransfer plans_;
     ParameterTransfer parameters_;
     mav::Address own_{1, kComponent};

@@ -178,8 +178,8 @@ void MissionTransfer::open_list(MavlinkPorts& ports) {
     });
 }
 
-// What is not the next item, or was not asked for, is not taken: it is asked for again. So a station
-// that answers fast, or unasked, cannot hand over more than the device takes.
+// What is not the next item, or was not asked for, is not taken: it is asked for again. So a
+// station that answers fast, or unasked, cannot hand over more than the device takes.
 void MissionTransfer::take(Link& link, mav::Address from, const mav::MissionItemInt& item,
                            MavlinkPorts& ports) {
     const bool is_ours = upload_.is_one && !upload_.is_committed && upload_.from == from &&

@@ -49,7 +49,7 @@ class MissionTransfer {
         uint16_t count = 0;
         uint16_t next = 0;
         bool is_asked = false;  // for the next one
-        uint32_t refused = 0;  // of the device, before it
+        uint32_t refused = 0;   // of the device, before it
         uint64_t begun_us = 0;
         uint64_t heard_us = 0;
         uint64_t asked_us = 0;

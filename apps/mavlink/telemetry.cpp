@@ -430,12 +430,15 @@ Told Telemetry::tell(uint32_t id, Link& link, const MavlinkPorts& ports) const {
         }
         case mav::AutopilotVersion::kId: {
             namespace can = mav::mav_protocol_capability;
-            return sent(link, mav::AutopilotVersion{
-                                  .capabilities = can::kMissionInt | can::kCommandInt |
-                                                  can::kMavlink2 | can::kParamEncodeBytewise |
-                                                  can::kMissionFence | can::kMissionRally,
-                                  .uid = 1,
-                                  .flight_sw_version = 0x010000FF});
+            return sent(link,
+                        mav::AutopilotVersion{
+                            .capabilities = can::kMissionInt | can::kCommandInt | can::kMavlink2 |
+                                            can::kParamEncodeBytewise | can::kMissionFence |
+                                            can::kMissionRally | can::kSetAttitudeTarget |
+                                            can::kSetPositionTargetLocalNed |
+                                            can::kSetPositionTargetGlobalInt,
+                            .uid = 1,
+                            .flight_sw_version = 0x010000FF});
         }
         default:
             return tell_status(id, link, ports);

@@ -53,6 +53,18 @@ bool is_flown_by_hand(const PositionControlPorts& ports) {
     return ports.status->nav_state == Nav::kManual || ports.status->nav_state == Nav::kStabilized;
 }
 
+// An attitude or rates, of the mode offboard.
+bool is_motion_free(const PositionControlPorts& ports) {
+    const bool is_offboard =
+        ports.status && ports.status->nav_state == VehicleStatus::NavState::kOffboard;
+    if (!is_offboard || !ports.setpoint) return false;
+    const TrajectorySetpoint& s = *ports.setpoint;
+    const auto is_free = [](const std::array<float, 3>& v) {
+        return math::is_nan(v[0]) && math::is_nan(v[1]) && math::is_nan(v[2]);
+    };
+    return is_free(s.position) && is_free(s.velocity) && is_free(s.acceleration);
+}
+
 bool stands(const PositionControlPorts& ports) {
     return ports.land && ports.land->landed;
 }
@@ -133,7 +145,7 @@ void PositionControl::step(PositionControlPorts& ports) {
     const uint64_t time_us = ports.position ? ports.position->timestamp_sample : ports.now;
     const float dt = seconds_since_last(last_us_, time_us, kShortestStep, kLongestStep);
     const bool armed = is_armed(ports);
-    if (armed && is_flown_by_hand(ports)) {
+    if (armed && (is_flown_by_hand(ports) || is_motion_free(ports))) {
         motion_.reset();
         armed_for_s_ = 0.0F;
         ports.attitude_setpoint.publish([] { return kNoWish; });

@@ -11,9 +11,10 @@ namespace stator::apps::position_control {
 
 // Runs with every position estimate. Disarmed, without a status, and on the ground until it is
 // to climb, it wants level and no thrust, or very little. While the pilot's sticks are the attitude
-// (modes manual and stabilized) it wants nothing: its setpoint is not a number. Without a setpoint
-// it stands still. Without a position, if something else activates it, it waits a moment, then
-// sinks level; so it does axis by axis with what the estimate calls invalid.
+// (modes manual and stabilized), or the mode offboard has an attitude of its own, it wants nothing:
+// its setpoint is not a number. Without a setpoint it stands still. Without a position, if
+// something else activates it, it waits a moment, then sinks level; so it does axis by axis with
+// what the estimate calls invalid.
 class PositionControl {
   public:
     void step(PositionControlPorts& ports);

@@ -78,6 +78,8 @@ Trajectory::Task Trajectory::task_of(const TrajectoryPorts& ports) {
             return Task::kSpeeds;
         case Nav::kAltitude:
             return Task::kHeightOnly;
+        case Nav::kOffboard:
+            return Task::kOffboard;
         case Nav::kDescend:
             return Task::kSink;
         default:
@@ -209,6 +211,37 @@ void Trajectory::advance_speeds(const TrajectoryPorts& ports, float dt) {
         turned({sticks.pitch * pull, sticks.roll * pull, 0.0F}, heading_).head<2>();
 }
 
+void Trajectory::follow_offboard(const TrajectoryPorts& ports, float dt) {
+    const float heading = heading_;
+    follow_estimate(ports);
+    if (!ports.offboard || ports.offboard->kind != OffboardSetpoint::Kind::kMotion) return;
+    const OffboardSetpoint& wanted = *ports.offboard;
+    yaw_rate_ = math::is_finite(wanted.yawspeed) ? wanted.yawspeed : 0.0F;
+    heading_ = math::is_finite(wanted.yaw) ? wanted.yaw : math::wrap_pi(heading + yaw_rate_ * dt);
+}
+
+// From the ground to a place above, it climbs; a place alone would not say so.
+TrajectorySetpoint Trajectory::offboard_setpoint(const TrajectoryPorts& ports) const {
+    constexpr float kAbove = 0.2F;   // m
+    constexpr float kClimbs = 0.3F;  // m/s
+    TrajectorySetpoint result = kFree;
+    if (!ports.offboard) {
+        result.velocity = {0.0F, 0.0F, 0.0F};
+        return result;
+    }
+    const OffboardSetpoint& wanted = *ports.offboard;
+    if (wanted.kind != OffboardSetpoint::Kind::kMotion) return result;
+    result.position = wanted.position;
+    result.velocity = wanted.velocity;
+    result.acceleration = wanted.acceleration;
+    result.yaw = heading_;
+    result.yawspeed = yaw_rate_;
+    const bool is_above = wanted.position[2] < state_.position.z() - kAbove;
+    const bool stands = ports.land && ports.land->landed;
+    if (stands && is_above && math::is_nan(wanted.velocity[2])) result.velocity[2] = -kClimbs;
+    return result;
+}
+
 // To a heading, the shorter way; not a number: no further.
 void Trajectory::turn(float heading, const TrajectoryParams& params, float dt) {
     const float error = math::is_finite(heading) ? math::wrap_pi(heading - heading_) : 0.0F;
@@ -220,6 +253,7 @@ void Trajectory::turn(float heading, const TrajectoryParams& params, float dt) {
 
 TrajectorySetpoint Trajectory::setpoint(const TrajectoryPorts& ports) const {
     TrajectorySetpoint result = kFree;
+    if (task_ == Task::kOffboard) return offboard_setpoint(ports);
     if (task_ == Task::kFollow || (task_ == Task::kGoal && !has_goal_)) return result;
     if (task_ == Task::kSink) {
         // Standing over the ground, if something says how fast that goes by.
@@ -248,6 +282,7 @@ void Trajectory::step(TrajectoryPorts& ports) {
         lags_for_s_ = 0.0F;
     }
     if (task_ == Task::kFollow || task_ == Task::kSink) follow_estimate(ports);
+    if (task_ == Task::kOffboard) follow_offboard(ports, dt);
     if (task_ == Task::kGoal) advance_goal(ports, dt);
     if (task_ == Task::kSpeeds || task_ == Task::kHeightOnly) advance_speeds(ports, dt);
     ports.setpoint.publish([&] { return setpoint(ports); });

@@ -13,13 +13,14 @@ namespace stator::apps::trajectory {
 // that it never jumps. Descending without a position, it sinks level. A vehicle that lags far
 // behind is waited for, except in a landing: what cannot be reached is not worth staying up for, so
 // the setpoint sinks on and comes along, no further ahead than the limit of lag. On the ground the
-// sticks move the setpoint only upwards.
+// sticks move the setpoint only upwards. In the mode offboard the setpoint is the one that was
+// sent, and what follows begins where the vehicle is; without one it stands still.
 class Trajectory {
   public:
     void step(TrajectoryPorts& ports);
 
   private:
-    enum class Task { kFollow, kGoal, kSpeeds, kHeightOnly, kSink };
+    enum class Task { kFollow, kGoal, kSpeeds, kHeightOnly, kSink, kOffboard };
 
     static Task task_of(const TrajectoryPorts& ports);
     void follow_estimate(const TrajectoryPorts& ports);
@@ -29,7 +30,9 @@ class Trajectory {
     void come_along(const VehicleLocalPosition& position, float most);
     void advance_goal(const TrajectoryPorts& ports, float dt);
     void advance_speeds(const TrajectoryPorts& ports, float dt);
+    void follow_offboard(const TrajectoryPorts& ports, float dt);
     void turn(float heading, const TrajectoryParams& params, float dt);
+    TrajectorySetpoint offboard_setpoint(const TrajectoryPorts& ports) const;
     TrajectorySetpoint setpoint(const TrajectoryPorts& ports) const;
 
     Task task_ = Task::kFollow;

@@ -75,6 +75,7 @@ RULES = {
     "failsafe-total": "a failsafe table lacks a mode or an event, or has an unknown one",
     "failsafe-circle": "failsafe transitions form a cycle",
     "failsafe-needs": "a failsafe table ends in a mode that lacks what it needs",
+    "failsafe-choice": "a choice of a failsafe table has no parameter or no value of its own",
     "failsafe-landed": "a failsafe table changes the mode of a vehicle on the ground",
     # triggers
     "trigger-kind": "a trigger is not exactly one of irq, topic and every",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from stator import HOME
 from stator.emit.readers import is_woken
 from stator.graph.checks.parts import MODE_TOPIC
+from stator.graph.failsafe import GO_ON
 from stator.graph.model import TYPES, Failsafe, Field, Interface, Message, Value
 from stator.names import upper_camel
 
@@ -397,10 +398,17 @@ class ModeAfter:
 
 
 @dataclass(frozen=True)
+class ModeInstead:
+    when: str  # C++ condition
+    next: str
+
+
+@dataclass(frozen=True)
 class FailsafeRow:
     namespace: str
     events: list[str]
     rows: list[ModeAfter]
+    instead: list[ModeInstead]
 
 
 @dataclass(frozen=True)
@@ -472,6 +480,15 @@ def failsafe(interface: Interface, table: Failsafe) -> FailsafeRow:
                 ["true" if disarms else "false" for disarms in on_ground],
             )
             for mode, row, on_ground in zip(table.modes, table.rows, table.disarms, strict=True)
+        ],
+        instead=[
+            ModeInstead(
+                f"event == FailsafeEvent::k{upper_camel(choice.event)} && "
+                f"params.{choice.param} == {choice.value} && next == Nav::k{upper_camel(mode)}",
+                "mode" if following == GO_ON else f"Nav::k{upper_camel(following)}",
+            )
+            for choice in table.choices
+            for mode, following in choice.instead
         ],
     )
 

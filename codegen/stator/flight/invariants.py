@@ -177,7 +177,7 @@ def _unasked_take_off(course: _Course, _: Setting) -> Broken | None:
     throttle = course.at("manual_control_setpoint", "throttle", -1.0)
     by_stick = course.is_in(BY_HAND) & (throttle > 0.0)
     by_stick |= course.is_in(ATTITUDE_BY_HAND) & (throttle > -0.5)
-    asked = (course.is_in(("mission", "takeoff")) & ~course.failsafe) | by_stick
+    asked = (course.is_in(("mission", "takeoff", "offboard")) & ~course.failsafe) | by_stick
     last_asked = np.maximum.accumulate(np.where(asked, course.time_s, -np.inf))
     still = course.on_ground & (np.linalg.norm(course.velocity, axis=1) < 0.5)
     stood_from, left_s = None, -math.inf

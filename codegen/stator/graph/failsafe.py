@@ -1,19 +1,22 @@
 """Reads the failsafe table of an app: mode x event x (in the air, on the ground). In the air a cell
 is the mode that follows; on the ground it may only disarm. Proves four things: both halves are
 total; the transitions form no cycle; no set of events ends in a mode that lacks what it needs; and
-on the ground nothing leads to another mode, so that no failsafe can start a flight. The search is
-exhaustive: every mode with every set of events."""
+on the ground nothing leads to another mode, so that no failsafe can start a flight.
+
+A parameter can choose another mode in a column. All that holds with each of its values: a cycle is
+looked for among the transitions of all values together, and a mode lasts under a set of events only
+where it goes on under each, so that each event counts for itself."""
 
 from __future__ import annotations
 
-from itertools import product
 from typing import TYPE_CHECKING
 
-from stator.graph.model import Failsafe
+from stator.graph.model import Failsafe, FailsafeChoice
 from stator.language.nested import Key, Listing, Struct, Table
-from stator.language.shapes import NAME_PATTERN, Leaf, Record, Text, items, quoted
+from stator.language.shapes import NAME_PATTERN, Integer, Leaf, Record, Text, items, quoted
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Set
     from pathlib import Path
 
     from stator.diagnostics import Mark, Report
@@ -30,6 +33,15 @@ STATUS, MODES, EVENTS = "VehicleStatus", "nav_state", "failsafe_event"
 
 _WORD = Text(NAME_PATTERN, "a name of lower case letters, digits and underscores")
 _WORDS = Listing(_WORD)
+_CHOICE = Struct(
+    {
+        "value": Key(Integer(), "The value of the parameter.", required=True),
+        "instead": Key(
+            Table(Table(_WORD, "a mode", NAME_PATTERN), "an event", NAME_PATTERN),
+            "For each event, a mode of its column and the one that follows in its place, or go_on.",
+        ),
+    }
+)
 SHAPE = Struct(
     {
         "events": Key(
@@ -52,6 +64,15 @@ SHAPE = Struct(
             "The row `event` names the columns.",
             required=True,
         ),
+        "choices": Key(
+            Table(
+                Table(_CHOICE, "a choice", NAME_PATTERN),
+                "a parameter",
+                NAME_PATTERN,
+            ),
+            "For each parameter, the values with which an event leads to other modes than in the "
+            "table. With any other value it is as in the table.",
+        ),
         "landed": Key(
             Table(_WORDS, "a mode", NAME_PATTERN),
             "The same table for a vehicle on the ground, which an event may only disarm: each cell "
@@ -62,8 +83,10 @@ SHAPE = Struct(
 )
 
 
-def read_failsafe(sources: Sources, path: Path, status: Message) -> Failsafe | None:
-    """The table; None after reporting what is wrong."""
+def read_failsafe(
+    sources: Sources, path: Path, status: Message, params: Set[str]
+) -> Failsafe | None:
+    """The table; None after reporting what is wrong. `params`: whole numbers of the app."""
     report = sources.report
     count = len(report)
     record = sources.read(path, SHAPE)
@@ -74,11 +97,12 @@ def read_failsafe(sources: Sources, path: Path, status: Message) -> Failsafe | N
     _check_keys(record.get("needs"), "needs", modes, "mode", report)
     cells = _cells(record, "table", (*modes, GO_ON), modes, events, report)
     landed = _cells(record, "landed", (DISARM, GO_ON), modes, events, report)
+    _check_choices(record, modes, events, params, report)
     if len(report) > count:
         return None
-    _check_circles(cells, modes, report)
+    _check_circles(record, cells, modes, report)
     if len(report) == count:
-        _check_needs(record, cells, modes, events, report)
+        _check_needs(record, cells, report)
         _check_landed_needs(record, landed, report)
     if len(report) > count:
         return None
@@ -89,6 +113,10 @@ def read_failsafe(sources: Sources, path: Path, status: Message) -> Failsafe | N
         tuple(tuple(_next(cells, m, e) for e in events) for m in modes),
         tuple(tuple(landed[m][e].value == DISARM for e in events) for m in modes),
         {mode: frozenset(words) for mode, words in _needs(record).items()},
+        tuple(
+            FailsafeChoice(param, value, event, tuple((k, v.value) for k, v in modes.items()))
+            for param, value, event, modes in _choices(record)
+        ),
     )
 
 
@@ -211,37 +239,99 @@ def _check_landed_needs(record: Record, landed: Cells, report: Report) -> None:
             )
 
 
+def _choices(record: Record) -> Iterator[tuple[str, int, str, dict[str, Leaf]]]:
+    """Parameter, value, event, and for modes of its column the word that counts in their place."""
+    for param, choices in items(record, "choices"):
+        for choice in choices.values.values():
+            for event, instead in items(choice, "instead"):
+                yield param, choice.get("value").value, event, instead.values
+
+
+def _check_choices(
+    record: Record,
+    modes: tuple[str, ...],
+    events: tuple[str, ...],
+    params: Set[str],
+    report: Report,
+) -> None:
+    table = record.get("choices")
+    chosen: dict[str, str] = {}  # event -> parameter
+    for param, choices in items(record, "choices"):
+        if param not in params:
+            report.error(
+                table.keys[param],
+                "failsafe-choice",
+                f"expected an int32 parameter of the app, found {quoted(param)}",
+                report.nearest(param, sorted(params)),
+            )
+        values: dict[int, str] = {}
+        for name, choice in choices.values.items():
+            value = choice.get("value").value
+            if value in values:
+                report.error(
+                    choices.keys[name],
+                    "failsafe-choice",
+                    f"expected a value of its own, found {value} of '{values[value]}'",
+                    "write another value",
+                )
+            values[value] = name
+            for event, instead in items(choice, "instead"):
+                mark = choice.get("instead").keys[event]
+                if event not in events:
+                    hint = report.nearest(event, events)
+                    report.error(mark, "failsafe-total", f"unknown event '{event}'", hint)
+                if chosen.setdefault(event, param) != param:
+                    report.error(
+                        mark,
+                        "failsafe-choice",
+                        f"'{chosen[event]}' chooses about {event} already",
+                        "use one parameter for each event",
+                    )
+                for mode, leaf in instead.values.items():
+                    for word, at in ((mode, instead.keys[mode]), (leaf.value, leaf.mark)):
+                        if word in modes or (word == GO_ON and word is leaf.value):
+                            continue
+                        hint = report.nearest(word, modes)
+                        report.error(at, "failsafe-total", f"unknown mode {quoted(word)}", hint)
+
+
 def _next(cells: Cells, mode: str, event: str) -> str:
     into: str = cells[mode][event].value
     return mode if into == GO_ON else into
 
 
-def _check_circles(cells: Cells, modes: tuple[str, ...], report: Report) -> None:
-    """No sequence of events comes back to a mode that it has left."""
-    ways: dict[str, dict[str, str]] = {mode: {} for mode in modes}  # to, by which event
+def _variants(record: Record, cells: Cells) -> Iterator[tuple[str, str, Leaf]]:
+    """Mode, event, and what follows: as in the table, and as with each value of a parameter."""
     for mode, row in cells.items():
-        for event in row:
-            if _next(cells, mode, event) != mode:
-                ways[mode].setdefault(_next(cells, mode, event), event)
+        for event, leaf in row.items():
+            yield mode, event, leaf
+            for _, _, chosen, instead in _choices(record):
+                if chosen == event and leaf.value in instead:
+                    yield mode, event, instead[leaf.value]
+
+
+def _goes_on(mode: str, leaf: Leaf) -> bool:
+    return leaf.value in (GO_ON, mode)
+
+
+def _check_circles(record: Record, cells: Cells, modes: tuple[str, ...], report: Report) -> None:
+    """No sequence of events comes back to a mode that it has left."""
+    ways: dict[str, dict[str, Mark]] = {mode: {} for mode in modes}  # to, and where it is written
+    for mode, _, leaf in _variants(record, cells):
+        if not _goes_on(mode, leaf):
+            ways[mode].setdefault(leaf.value, leaf.mark)
     done: set[str] = set()
     for first in modes:
-        path: list[str] = []
-        _walk(first, path, done, ways, cells, report)
+        _walk(first, [], done, ways, report)
 
 
 def _walk(
-    mode: str,
-    path: list[str],
-    done: set[str],
-    ways: dict[str, dict[str, str]],
-    cells: Cells,
-    report: Report,
+    mode: str, path: list[str], done: set[str], ways: dict[str, dict[str, Mark]], report: Report
 ) -> None:
     if mode in path:
-        event = ways[path[-1]][mode]
         circle = " -> ".join([*path[path.index(mode) :], mode])
         report.error(
-            cells[path[-1]][event].mark,
+            ways[path[-1]][mode],
             "failsafe-circle",
             f"failsafe transitions form a cycle: {circle}",
             "write go_on here, or a mode that does not lead back",
@@ -251,37 +341,22 @@ def _walk(
         return
     path.append(mode)
     for following in ways[mode]:
-        _walk(following, path, done, ways, cells, report)
+        _walk(following, path, done, ways, report)
     path.pop()
     done.add(mode)
 
 
-def settle(next_mode: dict[tuple[str, str], str], mode: str, active: list[str]) -> str:
-    """The mode that the table ends in while these events last, the most urgent first."""
-    while True:
-        following = next((next_mode[mode, e] for e in active if next_mode[mode, e] != mode), mode)
-        if following == mode:
-            return mode
-        mode = following
-
-
-def _check_needs(
-    record: Record, cells: Cells, modes: tuple[str, ...], events: tuple[str, ...], report: Report
-) -> None:
+def _check_needs(record: Record, cells: Cells, report: Report) -> None:
     """Every mode that the table ends in has what it needs."""
-    next_mode = {(m, e): _next(cells, m, e) for m in modes for e in events}
     needs, takes = _needs(record), _takes(record)
-    for mode, flags in product(modes, product((False, True), repeat=len(events))):
-        active = [event for event, is_on in zip(events, flags, strict=True) if is_on]
-        end = settle(next_mode, mode, active)
-        for event in active:
-            missing = needs[end] & takes[event]
-            if not missing:
-                continue
-            report.error(
-                cells[end][event].mark,
-                "failsafe-needs",
-                f"the table ends in {end}, which needs {', '.join(sorted(missing))}, and {event} "
-                "takes it away",
-                f"write a mode that does not need {', '.join(sorted(missing))}",
-            )
+    for mode, event, leaf in _variants(record, cells):
+        missing = needs[mode] & takes[event]
+        if not missing or not _goes_on(mode, leaf):
+            continue
+        report.error(
+            leaf.mark,
+            "failsafe-needs",
+            f"the table ends in {mode}, which needs {', '.join(sorted(missing))}, and {event} "
+            "takes it away",
+            f"write a mode that does not need {', '.join(sorted(missing))}",
+        )

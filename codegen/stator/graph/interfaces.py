@@ -16,6 +16,7 @@ from stator.language.shapes import Record, items
 from stator.names import upper_camel
 
 if TYPE_CHECKING:
+    from collections.abc import Set
     from pathlib import Path
 
     from stator.diagnostics import Report
@@ -48,7 +49,8 @@ def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> 
         for key, value in items(record, "params")
         if (param := _param(key, value, report)) is not None
     }
-    failsafe = _failsafe(sources, record, path)
+    whole = {name for name, param in params.items() if param.type == "int32"}
+    failsafe = _failsafe(sources, record, path, whole)
     if len(report) > count or any(
         key in record.keys and record.get(key) is None
         for key in ("lines", "inputs", "outputs", "params")
@@ -83,12 +85,12 @@ def _check_params_publisher(record: Record, report: Report, *, is_app: bool) -> 
         )
 
 
-def _failsafe(sources: Sources, record: Record, path: Path) -> Failsafe | None:
+def _failsafe(sources: Sources, record: Record, path: Path, params: Set[str]) -> Failsafe | None:
     leaf = record.get("failsafe")
     status = None if leaf is None else find_message(sources, STATUS, leaf.mark)
     if leaf is None or status is None:
         return None
-    return read_failsafe(sources, path.parent / leaf.value, status)
+    return read_failsafe(sources, path.parent / leaf.value, status, params)
 
 
 def _ports(sources: Sources, record: Record, key: str) -> dict[str, Port]:

@@ -82,6 +82,16 @@ class Param:
 
 
 @dataclass(frozen=True)
+class FailsafeChoice:
+    """With this value of a parameter an event leads to other modes than in the table."""
+
+    param: str
+    value: int
+    event: str
+    instead: tuple[tuple[str, str], ...]  # a mode of the event's column, and the one in its place
+
+
+@dataclass(frozen=True)
 class Failsafe:
     """The next flight mode for each flight mode and event: see failsafe.py."""
 
@@ -91,6 +101,7 @@ class Failsafe:
     rows: tuple[tuple[str, ...], ...]  # for each mode, the next mode at each event
     disarms: tuple[tuple[bool, ...], ...]  # the same on the ground: whether the event disarms
     needs: dict[str, frozenset[str]]  # what each mode cannot do without
+    choices: tuple[FailsafeChoice, ...]
 
 
 @dataclass(frozen=True)

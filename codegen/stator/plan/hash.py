@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from dataclasses import astuple
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -64,5 +65,12 @@ def _interface(interface: Interface) -> dict[str, Any]:
             p.name: [p.type, p.unit, *([p.id] if p.id else []), *([] if p.in_flight else [False])]
             for p in interface.params.values()
         },
-        **({} if interface.failsafe is None else {"failsafe": interface.failsafe.rows}),
+        **(
+            {}
+            if interface.failsafe is None
+            else {
+                "failsafe": interface.failsafe.rows,
+                "choices": [astuple(choice) for choice in interface.failsafe.choices],
+            }
+        ),
     }

@@ -36,6 +36,7 @@ class AttitudeControlTest : public ::testing::Test {
             .navigation = has_navigation_ ? Input(navigation_) : Input<VehicleAttitude>(),
             .setpoint = has_setpoint_ ? Input(setpoint_) : Input<VehicleAttitudeSetpoint>(),
             .sticks = Input(sticks_),
+            .offboard = has_offboard_ ? Input(offboard_) : Input<OffboardSetpoint>(),
             .status = Input(status_),
             .params = Input(params_)};
         testing::Probe rates(ports.rates, 0);
@@ -51,9 +52,33 @@ class AttitudeControlTest : public ::testing::Test {
     ManualControlSetpoint sticks_{};
     VehicleStatus status_{.nav_state = VehicleStatus::NavState::kHold};
     VehicleAttitude navigation_{};
+    OffboardSetpoint offboard_{};
+    bool has_offboard_ = false;
     bool has_setpoint_ = true;
     bool has_navigation_ = false;
 };
+
+TEST_F(AttitudeControlTest, in_the_mode_offboard_takes_the_attitude_and_rates_that_are_sent) {
+    has_offboard_ = true;
+    offboard_.kind = OffboardSetpoint::Kind::kAttitude;
+    offboard_.q_d = math::to_array(euler(0.3F, 0.0F, 0.0F));
+    offboard_.thrust = 0.7F;
+    EXPECT_EQ(rates_at(euler(0.0F, 0.0F, 0.0F)), Vector3<float>::Zero());  // in hold
+    status_.nav_state = VehicleStatus::NavState::kOffboard;
+    EXPECT_NEAR(rates_at(euler(0.0F, 0.0F, 0.0F)).x(), 7.0F * 2.0F * math::sin(0.15F), 1e-5F);
+    EXPECT_EQ(newest_.thrust_body[2], -0.7F);
+    params_.roll_rate_limit = 1.0F;
+    offboard_.kind = OffboardSetpoint::Kind::kRates;
+    offboard_.rates = {2.0F, -0.5F, 0.25F};
+    offboard_.thrust = 0.4F;
+    EXPECT_EQ(rates_at(euler(0.2F, 0.0F, 0.0F)), Vector3<float>(1.0F, -0.5F, 0.25F));
+    EXPECT_EQ(newest_.thrust_body[2], -0.4F);
+    // Once they are old: level, with the thrust that there was.
+    has_offboard_ = false;
+    has_setpoint_ = false;
+    EXPECT_LT(rates_at(euler(0.2F, 0.0F, 0.0F)).x(), -0.9F);
+    EXPECT_EQ(newest_.thrust_body[2], -0.4F);
+}
 
 TEST_F(AttitudeControlTest, wants_nothing_before_the_first_setpoint) {
     has_setpoint_ = false;

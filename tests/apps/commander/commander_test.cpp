@@ -51,6 +51,9 @@ class CommanderTest : public ::testing::Test {
             .gnss = has_gnss_ ? Input(gnss_) : Input<SensorGps>(),
             .escs = Input(escs_),
             .command = is_commanded_ ? Input(command_) : Input<VehicleCommand>(),
+            .offboard = Input(offboard_, has_setpoints_),
+            .station = hears_station_ || has_heard_ ? Input(station_, hears_station_)
+                                                    : Input<StationHeartbeat>(),
             .parameters = Input(parameters_),
             .log = has_log_ ? Input(log_) : Input<LogBlock>(),
             .params = Input(params_)};
@@ -60,6 +63,7 @@ class CommanderTest : public ::testing::Test {
         testing::Probe accepted(ports.accepted, now_us_);
         testing::Probe ack(ports.ack, now_us_);
         node_.step(ports);
+        has_heard_ = has_heard_ || hears_station_;
         if (is_commanded_) answer_ = ack.newest();
         is_passed_on_ = accepted.count() != 0;
         is_commanded_ = false;
@@ -148,6 +152,11 @@ class CommanderTest : public ::testing::Test {
     HealthReport health_{};
     VehicleCommand command_{};
     VehicleCommandAck answer_{};
+    OffboardSetpoint offboard_{};
+    bool has_setpoints_ = false;  // new ones
+    StationHeartbeat station_{};
+    bool hears_station_ = false;
+    bool has_heard_ = false;
     bool is_commanded_ = false;
     bool is_passed_on_ = false;
     uint8_t tag_ = 0;
@@ -711,6 +720,96 @@ TEST_F(CommanderTest, GoesFromAnyModeByHold) {
     result_.seq_total = 3;
     EXPECT_EQ(command({.action = Action::kSetItem, .item = 2}), Answer::kAccepted);
     EXPECT_EQ(command({.action = Action::kSetItem, .item = 3}), Answer::kDenied);
+}
+
+TEST_F(CommanderTest, OffboardNeedsFreshSetpointsAndHoldsWithoutThem) {
+    fly(Nav::kHold);
+    EXPECT_EQ(command(Nav::kOffboard), Answer::kTemporarilyRejected);
+    has_setpoints_ = true;
+    run(0.1F);
+    has_setpoints_ = false;
+    run(0.7F);  // not two in a second
+    EXPECT_EQ(command(Nav::kOffboard), Answer::kTemporarilyRejected);
+    has_setpoints_ = true;
+    EXPECT_EQ(command(Nav::kOffboard), Answer::kAccepted);
+    has_setpoints_ = false;
+    run(0.9F);
+    EXPECT_EQ(status_.nav_state, Nav::kOffboard);
+    run(0.2F);
+    EXPECT_EQ(status_.nav_state, Nav::kHold);
+    EXPECT_EQ(status_.failsafe_event, Event::kOffboardLost);
+    has_setpoints_ = true;
+    run(1.0F);
+    EXPECT_EQ(status_.nav_state, Nav::kHold);  // it does not go back by itself
+}
+
+TEST_F(CommanderTest, OffboardArmsOnTheGroundOnlyWithSetpoints) {
+    has_setpoints_ = true;
+    run(4.0F);
+    EXPECT_EQ(command(Nav::kOffboard), Answer::kAccepted);
+    has_setpoints_ = false;
+    run(0.8F);
+    EXPECT_EQ(command(Action::kArm), Answer::kTemporarilyRejected);
+    has_setpoints_ = true;
+    EXPECT_EQ(command(Action::kArm), Answer::kAccepted);
+    has_setpoints_ = false;
+    run(1.1F);
+    EXPECT_FALSE(is_armed());
+}
+
+TEST_F(CommanderTest, AStationThatWasHeardAndFallsSilentIsLost) {
+    params_.station_loss_action = 2;
+    params_.station_timeout = 5.0F;
+    fly(Nav::kHold);
+    run(10.0F);
+    EXPECT_EQ(status_.nav_state, Nav::kHold);  // none was there
+    hears_station_ = true;
+    run(1.0F);
+    hears_station_ = false;
+    run(4.9F);
+    EXPECT_EQ(status_.nav_state, Nav::kHold);
+    run(0.3F);
+    EXPECT_EQ(status_.nav_state, Nav::kReturn);
+    EXPECT_EQ(status_.failsafe_event, Event::kStationLost);
+}
+
+TEST_F(CommanderTest, AStationThatIsLostTakesNoSticksAway) {
+    params_.station_loss_action = 2;
+    fly(Nav::kPosition);
+    hears_station_ = true;
+    step();
+    hears_station_ = false;
+    run(30.0F);
+    EXPECT_EQ(status_.nav_state, Nav::kPosition);
+}
+
+TEST_F(CommanderTest, ActionsAreChosenByParameters) {
+    struct Case {
+        int32_t action;
+        Nav mode;
+    };
+    for (const Case& c :
+         {Case{1, Nav::kHold}, {2, Nav::kReturn}, {3, Nav::kLand}, {4, Nav::kReturn}}) {
+        node_ = {};
+        land_.landed = true;
+        sticks_.valid = true;
+        params_.rc_loss_action = c.action;
+        switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
+        fly(Nav::kMission);
+        sticks_.valid = false;
+        run(1.0F);
+        EXPECT_EQ(status_.nav_state, c.mode) << c.action;
+        EXPECT_TRUE(is_armed());
+    }
+    params_.fence_action = 0;
+    fence_.geofence_max_dist_triggered = true;
+    sticks_.valid = true;
+    ASSERT_EQ(command(Nav::kMission), Answer::kAccepted);
+    run(1.0F);
+    EXPECT_EQ(status_.nav_state, Nav::kMission);
+    params_.fence_action = 4;
+    run(0.1F);
+    EXPECT_FALSE(is_armed());
 }
 
 }  // namespace

@@ -173,7 +173,14 @@ class MavlinkTest : public ::testing::Test {
         Everything<MissionUpload> uploads(ports.upload, now_us_, 4);
         Everything<MissionRequest> downloads(ports.download, now_us_, 1);
         Everything<ParameterRequest> questions(ports.parameter_request, now_us_, 2);
+        Everything<ManualControlSetpoint> station_sticks(ports.station_sticks, now_us_, 1);
+        Everything<OffboardSetpoint> setpoints(ports.offboard, now_us_, 1);
+        Everything<StationHeartbeat> beats(ports.station, now_us_, 1);
         node_.step(ports);
+        EXPECT_EQ(ports.station_sticks.refused() + ports.offboard.refused(), 0);
+        for (const auto& sample : station_sticks.all()) station_sticks_.push_back(sample);
+        for (const auto& sample : setpoints.all()) setpoints_.push_back(sample);
+        for (const auto& sample : beats.all()) beats_.push_back(sample);
         is_first_ = false;
         ack_.reset();
         item_.reset();
@@ -332,6 +339,9 @@ class MavlinkTest : public ::testing::Test {
     bool answers_ = true;  // to commands
     VehicleCommandAck::Result result_of_commands_ = VehicleCommandAck::Result::kAccepted;
     std::vector<VehicleCommand> commands_;
+    std::vector<ManualControlSetpoint> station_sticks_;
+    std::vector<OffboardSetpoint> setpoints_;
+    std::vector<StationHeartbeat> beats_;
     struct Parameter {
         std::string id;
         ParameterValue::Type type;

@@ -22,8 +22,12 @@ TABLE = HOME / "apps" / "commander" / "failsafe.yaml"
 TABLES = ("table", "landed")  # in the air, and on the ground
 URGENCY = [
     "crashed", "estimator_invalid", "position_lost", "motor_lost", "geofence", "battery_critical",
-    "rc_lost", "cannot_follow", "mission_lost", "battery_low",
+    "rc_lost", "station_lost", "offboard_lost", "cannot_follow", "mission_lost", "battery_low",
 ]  # fmt: skip
+PARAMS = {
+    "rc_loss_action", "station_loss_action", "offboard_loss_action", "low_battery_action",
+    "fence_action",
+}  # fmt: skip
 
 
 def load() -> dict[str, Any]:
@@ -56,12 +60,16 @@ def read_rows(content: dict[str, Any], folder: Path) -> bool:
     sources = Sources(HOME, Report())
     status = find_message(sources, "VehicleStatus", Mark(HOME, 1, 1))
     assert status is not None
-    return read_failsafe(sources, file, status) is not None
+    return read_failsafe(sources, file, status, PARAMS) is not None
 
 
-def next_mode(content: dict[str, Any], mode: str, event: str) -> str:
-    mode_after: str = content["table"][mode][event]
-    return mode if mode_after == "go_on" else mode_after
+def next_modes(content: dict[str, Any], mode: str, event: str) -> set[str]:
+    """As in the table, and with each value of a parameter."""
+    cell = content["table"][mode][event]
+    values = [value for values in content["choices"].values() for value in values.values()]
+    columns = [value["instead"].get(event, {}) for value in values]
+    cells = {cell, *(column.get(cell, cell) for column in columns)}
+    return {mode if after == "go_on" else after for after in cells}
 
 
 def is_sound(content: dict[str, Any]) -> bool:
@@ -69,7 +77,7 @@ def is_sound(content: dict[str, Any]) -> bool:
     after it was left; and where a set of events lets a mode stay, it takes nothing that that needs.
     """
     modes = list(content["table"])
-    reachable = {m: {next_mode(content, m, e) for e in URGENCY} - {m} for m in modes}
+    reachable = {m: {n for e in URGENCY for n in next_modes(content, m, e)} - {m} for m in modes}
     for _ in modes:
         for m in modes:
             reachable[m] |= {far for near in reachable[m] for far in reachable[near]}
@@ -79,7 +87,7 @@ def is_sound(content: dict[str, Any]) -> bool:
     sets = [set(c) for n in range(3) for c in combinations(URGENCY, n)]
     for mode in modes:
         for active in sets:
-            if any(next_mode(content, mode, e) != mode for e in active):
+            if any(mode not in next_modes(content, mode, e) for e in active):
                 continue
             takes = {w for e in active for w in content["events"][e].get("without", [])}
             if takes & set(content["needs"][mode]):
@@ -123,6 +131,22 @@ def test_agrees_with_brute_force_on_changed_tables(seed: int, tmp_path: Path) ->
         verdicts.append(is_sound(content))
         assert read(content, tmp_path) == verdicts[-1], content["table"]
     assert len(set(verdicts)) == 2  # both kinds were drawn
+
+
+@pytest.mark.parametrize(
+    ("param", "event", "instead"),
+    [
+        ("rc_loss_action", "rc_lost", {"return": "go_on"}),  # manual, without a pilot
+        ("fence_action", "geofence", {"return": "mission"}),  # and a return to it: a circle
+    ],
+)
+def test_every_choice_is_proven(
+    param: str, event: str, instead: dict[str, str], tmp_path: Path
+) -> None:
+    content = load()
+    content["choices"][param]["more"] = {"value": 9, "instead": {event: instead}}
+    assert not is_sound(content)
+    assert not read(content, tmp_path)
 
 
 def test_on_the_ground_no_event_may_change_the_mode(tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ struct VehicleStatus {
         kReturn = 5,
         kDescend = 12,
         kTermination = 13,
+        kOffboard = 14,
         kStabilized = 15,
         kTakeoff = 17,
         kLand = 18,
@@ -37,9 +38,11 @@ struct VehicleStatus {
         kGeofence = 5,
         kBatteryCritical = 6,
         kRcLost = 7,
-        kCannotFollow = 8,
-        kMissionLost = 9,
-        kBatteryLow = 10,
+        kStationLost = 8,
+        kOffboardLost = 9,
+        kCannotFollow = 10,
+        kMissionLost = 11,
+        kBatteryLow = 12,
     };
 
     uint64_t timestamp{};  // When it was published; set by publish. [us]
