@@ -112,7 +112,7 @@ def test_setpoints_fly_it_and_their_end_holds(tmp_path: Path) -> None:
         station.accept(mavlink.MAV_CMD_NAV_LAND)
         station.wait_armed(False)
         station.close()
-    assert facts["success"] or "offboard_lost" in facts["reason"], facts["reason"]
+    assert facts["success"], facts["reason"]
     assert facts["refused_publications"] == 0
     lost_s = change(log, "failsafe_event", OFFBOARD_LOST)
     assert 0.9 < lost_s - last_before(log, "offboard_setpoint", lost_s) < 1.5
@@ -171,7 +171,7 @@ def test_sticks_of_a_station_fly_it_and_their_silence_is_a_loss(tmp_path: Path) 
         station.wait_mode("RTL")
         station.wait_armed(False)
         station.close()
-    assert "rc_lost" in facts["reason"], facts["reason"]
+    assert facts["success"], facts["reason"]
     lost_s = change(log, "failsafe_event", RC_LOST)
     assert 0.5 < lost_s - last_before(log, "station_sticks", lost_s) < 1.0
 
@@ -199,7 +199,7 @@ def test_a_station_that_falls_silent_is_lost(tmp_path: Path) -> None:
         station.wait_mode("RTL")
         station.wait_armed(False)
         station.close()
-    assert "station_lost" in facts["reason"], facts["reason"]
+    assert facts["success"], facts["reason"]
     lost_s = change(log, "failsafe_event", STATION_LOST)
     assert 4.9 < lost_s - last_before(log, "station_heartbeat", lost_s) < 6.0
 
