@@ -71,9 +71,25 @@ void Mavlink::handle_command(const Request& request, MavlinkPorts& ports) {
                                                 .message_id = static_cast<uint16_t>(id)});
             return;
         }
+        case cmd::kPreflightRebootShutdown:
+            return restart(request, ports);
         default:
             return handle_flight_command(request, ports);
     }
+}
+
+// Of the vehicle alone, and as it is: a board cannot switch itself off.
+void Mavlink::restart(const Request& request, MavlinkPorts& ports) {
+    const bool is_known =
+        request.param[0] == 1.0F && request.param[1] == 0.0F && ports.restart.is_connected();
+    if (!is_known) return answer(request, result::kUnsupported);
+    const bool is_disarmed =
+        ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kDisarmed;
+    if (!is_disarmed) return answer(request, result::kTemporarilyRejected);
+    answer(request, result::kAccepted);
+    if (restarted_us_ == ports.now) return;  // asked twice
+    restarted_us_ = ports.now;
+    ports.restart.publish([&] { return RestartRequest{.source = request.from.system}; });
 }
 
 void Mavlink::handle_flight_command(const Request& request, MavlinkPorts& ports) {

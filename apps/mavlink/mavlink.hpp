@@ -69,6 +69,7 @@ class Mavlink {
     void handle_command(const Request& request, MavlinkPorts& ports);
     void handle_request_message(const Request& request, uint32_t id, MavlinkPorts& ports);
     void handle_flight_command(const Request& request, MavlinkPorts& ports);
+    void restart(const Request& request, MavlinkPorts& ports);
     void set_mode(const Request& request, uint32_t main, uint32_t sub, MavlinkPorts& ports);
     void command(const Request& request, const VehicleCommand& wish, MavlinkPorts& ports);
     VehicleCommand go_to(const Request& request) const;
@@ -85,6 +86,7 @@ class Mavlink {
     mav::Address own_{1, kComponent};
     Pending pending_;
     int32_t reached_ = -1;  // the item that was told last
+    uint64_t restarted_us_ = 0;
     uint64_t last_us_ = 0;
 };
 

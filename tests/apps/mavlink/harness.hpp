@@ -176,7 +176,10 @@ class MavlinkTest : public ::testing::Test {
         Everything<ManualControlSetpoint> station_sticks(ports.station_sticks, now_us_, 1);
         Everything<OffboardSetpoint> setpoints(ports.offboard, now_us_, 1);
         Everything<StationHeartbeat> beats(ports.station, now_us_, 1);
+        Everything<RestartRequest> restarts(ports.restart, now_us_, 1);
         node_.step(ports);
+        EXPECT_EQ(ports.restart.refused(), 0);
+        restarts_ += restarts.all().size();
         EXPECT_EQ(ports.station_sticks.refused() + ports.offboard.refused(), 0);
         for (const auto& sample : station_sticks.all()) station_sticks_.push_back(sample);
         for (const auto& sample : setpoints.all()) setpoints_.push_back(sample);
@@ -342,6 +345,7 @@ class MavlinkTest : public ::testing::Test {
     std::vector<ManualControlSetpoint> station_sticks_;
     std::vector<OffboardSetpoint> setpoints_;
     std::vector<StationHeartbeat> beats_;
+    std::size_t restarts_ = 0;
     struct Parameter {
         std::string id;
         ParameterValue::Type type;

@@ -141,6 +141,23 @@ TEST_F(MavlinkTest, ARepeatedCommandIsDoneOnceAndAnotherOneWaits) {
     EXPECT_EQ(results(kArm), std::vector<int>{kAccepted});
 }
 
+TEST_F(MavlinkTest, RestartsWhileDisarmed) {
+    constexpr uint16_t kRestart = mav::mav_cmd::kPreflightRebootShutdown;
+    status_.arming_state = VehicleStatus::ArmingState::kArmed;
+    send_command(kRestart, {1.0F});
+    run(0.1);
+    EXPECT_EQ(restarts_, 0U);
+    status_.arming_state = VehicleStatus::ArmingState::kDisarmed;
+    send_command(kRestart, {2.0F});
+    run(0.1);
+    EXPECT_EQ(restarts_, 0U);
+    send_command(kRestart, {1.0F});
+    run(0.1);
+    EXPECT_EQ(restarts_, 1U);
+    EXPECT_EQ(results(kRestart),
+              (std::vector<int>{kTemporarilyRejected, kUnsupported, kAccepted}));
+}
+
 TEST_F(MavlinkTest, ACommandWithoutAnAnswerFails) {
     answers_ = false;
     send_command(kArm, {1.0F});
