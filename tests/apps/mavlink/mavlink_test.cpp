@@ -154,8 +154,7 @@ TEST_F(MavlinkTest, RestartsWhileDisarmed) {
     send_command(kRestart, {1.0F});
     run(0.1);
     EXPECT_EQ(restarts_, 1U);
-    EXPECT_EQ(results(kRestart),
-              (std::vector<int>{kTemporarilyRejected, kUnsupported, kAccepted}));
+    EXPECT_EQ(results(kRestart), (std::vector<int>{kTemporarilyRejected, kUnsupported, kAccepted}));
 }
 
 TEST_F(MavlinkTest, ACommandWithoutAnAnswerFails) {
