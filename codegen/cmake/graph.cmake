@@ -58,10 +58,11 @@ function(stator_add_walls target folder libraries)
 endfunction()
 
 # What the objects of apps call and keep is checked behind their compilation: TARGET_rules. `objects`:
-# those of generated code, which contain the nodes of headers.
+# those of generated code, which contain the nodes of headers. In a replay, ports allocate.
 function(stator_add_rules target objects libraries)
     add_custom_target(${target}_rules)
-    if(NOT STATOR_WALLS OR STATOR_ODR OR STATOR_SANITIZE OR graph_executor STREQUAL "cortex_m")
+    if(NOT STATOR_WALLS OR STATOR_ODR OR STATOR_SANITIZE OR STATOR_REPLAY OR
+       graph_executor STREQUAL "cortex_m")
         return()
     endif()
     set(nodes)
