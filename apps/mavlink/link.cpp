@@ -7,10 +7,11 @@
 
 namespace stator::apps::mavlink {
 
-bool Link::put(std::span<const uint8_t> frame) {
+// `left`: bytes of room that stay free.
+bool Link::put(std::span<const uint8_t> frame, std::size_t left) {
     if (rehearses_) return true;
     ++sequence_;  // a frame that is dropped shows as lost
-    if (!is_open() || frame.size() > kRoom - waiting_) {
+    if (!is_open() || frame.size() + left > kRoom - waiting_) {
         ++dropped_;
         return false;
     }

@@ -42,7 +42,7 @@ class Link {
     bool send(const Message& message) {
         mav::FrameBytes frame;
         frame.put(message, sequence_, own_);
-        return put(frame.bytes());
+        return put(frame.bytes(), Message::kId == mav::Heartbeat::kId ? 0 : kForHeartbeat);
     }
     // Whether the line keeps up: what waits goes out at once.
     bool has_room_for_streams() const { return static_cast<float>(waiting_) <= budget_; }
@@ -58,10 +58,11 @@ class Link {
 
   private:
     static constexpr std::size_t kRoom = 1024;
+    static constexpr std::size_t kForHeartbeat = 32;  // whatever else waits
     static constexpr std::size_t kBulkWaits = 300;
     static constexpr float kBurst_s = 0.1F;  // of bytes that an idle line may catch up on
 
-    bool put(std::span<const uint8_t> frame);
+    bool put(std::span<const uint8_t> frame, std::size_t left);
     std::size_t first_frame() const;
     uint8_t at(std::size_t index) const { return ring_[(begin_ + index) % kRoom]; }
 

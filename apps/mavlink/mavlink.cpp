@@ -174,6 +174,10 @@ void Mavlink::tell_reached(const MavlinkPorts& ports) {
 
 void Mavlink::tell_due(unsigned number, const MavlinkPorts& ports) {
     Line& line = lines_[number];
+    // A station that asks too much must not think that the vehicle is gone.
+    if (line.streams.take(mav::Heartbeat::kId, ports.now)) {
+        telemetry_.tell(mav::Heartbeat::kId, line.link, ports);
+    }
     for (unsigned i = 0; i < kStreamsAtOnce && line.link.has_room_for_streams(); ++i) {
         const uint16_t id = line.streams.take_due(ports.now);
         if (id == kNoStream) return;

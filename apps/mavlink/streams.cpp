@@ -59,10 +59,22 @@ uint16_t Streams::take_due(uint64_t now_us) {
         if (chosen == kStreams.size() || state.due_us < states_[chosen].due_us) chosen = i;
     }
     if (chosen == kStreams.size()) return kNoStream;
-    State& state = states_[chosen];
+    put_off(states_[chosen], now_us);
+    return kStreams[chosen].id;
+}
+
+bool Streams::take(uint32_t id, uint64_t now_us) {
+    const std::size_t index = index_of(id);
+    if (index == kStreams.size()) return false;
+    State& state = states_[index];
+    if (state.interval_us == 0 || state.due_us > now_us) return false;
+    put_off(state, now_us);
+    return true;
+}
+
+void Streams::put_off(State& state, uint64_t now_us) {
     state.due_us += state.interval_us;
     if (state.due_us <= now_us) state.due_us = now_us + state.interval_us;  // it could not keep up
-    return kStreams[chosen].id;
 }
 
 void Streams::hasten(uint32_t id, uint64_t now_us) {

@@ -45,6 +45,8 @@ class Streams {
     int32_t interval_us(uint32_t id) const;
     // The stream that has been due for longest, and is due again an interval later. 0xFFFF: none.
     uint16_t take_due(uint64_t now_us);
+    // Whether this one is due; then it is due again an interval later.
+    bool take(uint32_t id, uint64_t now_us);
     // Due at once, besides its interval.
     void hasten(uint32_t id, uint64_t now_us);
 
@@ -53,6 +55,7 @@ class Streams {
         uint64_t due_us = 0;
         uint32_t interval_us = 0;  // 0: off
     };
+    static void put_off(State& state, uint64_t now_us);
     static uint32_t usual_us(const Stream& stream, Role role);
 
     Role role_ = Role::kGround;

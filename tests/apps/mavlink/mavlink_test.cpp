@@ -141,6 +141,16 @@ TEST_F(MavlinkTest, ARepeatedCommandIsDoneOnceAndAnotherOneWaits) {
     EXPECT_EQ(results(kArm), std::vector<int>{kAccepted});
 }
 
+TEST_F(MavlinkTest, AFloodOfRequestsDoesNotStopTheHeartbeat) {
+    line_.bytes_per_s = 1000;
+    for (unsigned i = 0; i < 1000; ++i) {
+        send(mav::Ping{.time_usec = i + 1, .seq = i});
+        send(mav::MissionRequestList{.target_system = 1, .target_component = 1});
+        step();
+    }
+    EXPECT_NEAR(static_cast<double>(heard(mav::Heartbeat::kId).size()), 10.0, 1.0);
+}
+
 TEST_F(MavlinkTest, RestartsWhileDisarmed) {
     constexpr uint16_t kRestart = mav::mav_cmd::kPreflightRebootShutdown;
     status_.arming_state = VehicleStatus::ArmingState::kArmed;
