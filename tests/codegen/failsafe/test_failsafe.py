@@ -22,7 +22,8 @@ TABLE = HOME / "apps" / "commander" / "failsafe.yaml"
 TABLES = ("table", "landed")  # in the air, and on the ground
 URGENCY = [
     "crashed", "estimator_invalid", "position_lost", "motor_lost", "geofence", "battery_critical",
-    "rc_lost", "station_lost", "offboard_lost", "cannot_follow", "mission_lost", "battery_low",
+    "rc_lost", "station_lost", "offboard_lost", "cannot_follow", "mission_lost",
+    "battery_low",
 ]  # fmt: skip
 PARAMS = {
     "rc_loss_action", "station_loss_action", "offboard_loss_action", "low_battery_action",
