@@ -95,6 +95,11 @@ function(stator_add_rules target objects libraries)
     add_dependencies(${target}_rules ${target}_rules_checked)
 endfunction()
 
+# Optimised for size: without headers that were precompiled for speed, which the compiler refuses.
+function(stator_make_small)
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -Os SKIP_PRECOMPILE_HEADERS ON)
+endfunction()
+
 # A target for each app and driver of what was generated. Sets `libraries` and `ports` in the caller.
 function(stator_add_nodes target folder)
     # What all apps and drivers may include: messages, topics, maths, DroneCAN, MAVLink.
@@ -126,7 +131,11 @@ function(stator_add_nodes target folder)
             add_library(${library} STATIC ${sources})
             target_include_directories(${library} PUBLIC "${source_folder}" "${own_ports}")
             target_link_libraries(${library} PUBLIC ${target}_interfaces)
-            stator_precompile(${library})
+            if(graph_executor STREQUAL "cortex_m" AND CMAKE_MATCH_1 IN_LIST graph_small_libraries)
+                stator_make_small(${sources})
+            else()
+                stator_precompile(${library})
+            endif()
         else()
             add_library(${library} INTERFACE)
             target_include_directories(${library} INTERFACE "${source_folder}" "${own_ports}")
@@ -158,6 +167,10 @@ function(stator_add_graph_parts target graph board)
     stator_generate("${folder}" "${graph}" --board "${board}" ${stator_gen_options})
     stator_add_nodes(${target} "${folder}")
 
+    if(graph_executor STREQUAL "cortex_m")
+        list(TRANSFORM graph_small_sources PREPEND "${folder}/")
+        stator_make_small(${graph_small_sources})
+    endif()
     list(TRANSFORM graph_sources PREPEND "${folder}/")
     add_library(${target}_generated OBJECT ${graph_sources})
     # Only these and the board know apps and drivers: by "apps/NAME/NAME.hpp", as two may have a file

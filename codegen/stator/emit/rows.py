@@ -13,6 +13,7 @@ from stator.graph.checks.parts import MODE_TOPIC
 from stator.graph.failsafe import GO_ON
 from stator.graph.model import TYPES, Failsafe, Field, Interface, Message, Value
 from stator.names import upper_camel
+from stator.plan.rates import Rates
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 WORD_BITS = 64
 VECTOR_WORD_BITS = 32
 COLUMNS = 100
+LONGEST_FAST_US = 4_000  # the longest period of a task whose speed matters
 
 
 # --- messages and ports ---
@@ -419,6 +421,14 @@ class CMakeLibrary:
 
 
 @dataclass(frozen=True)
+class Small:
+    """What an image has optimised for size."""
+
+    libraries: list[str]
+    sources: list[str]
+
+
+@dataclass(frozen=True)
 class BuildRow:
     """What CMake must know of a graph."""
 
@@ -429,6 +439,7 @@ class BuildRow:
     libraries: list[CMakeLibrary]
     roots: list[str]  # where apps/ and drivers/ are
     inputs: list[str]
+    small: Small
 
 
 def program(plan: Plan) -> ProgramRow:
@@ -533,13 +544,32 @@ def _build(
         libraries=_libraries(nodes),
         roots=_roots(nodes),
         inputs=sorted({str(path) for path in (*plan.graph.files, plan.board.file)}),
+        small=_small(plan, files),
     )
+
+
+def _small(plan: Plan, files: dict[str, str]) -> Small:
+    """Tasks that seldom run: their speed does not matter, and most of the code is theirs."""
+    rates = Rates(plan.graph)
+    periods = {task.node.name: rates.node(task.node.name) for task in plan.tasks}
+    slow = [task for task in plan.tasks if (periods[task.node.name] or 0) > LONGEST_FAST_US]
+    names = {_library_of(plan, task) for task in slow}
+    names -= {_library_of(plan, task) for task in plan.tasks if task not in slow}
+    sources = (f"tasks/{task.node.name}.cpp" for task in slow)
+    return Small(sorted(names), [source for source in sources if source in files])
+
+
+def _library_of(plan: Plan, task: Task) -> str:
+    device = task.node.device
+    name = task.node.interface.name if device is None else plan.board.devices[device].driver
+    return name.replace("/", "_")
 
 
 def apps_build(apps: list[Interface], inputs: list[Path]) -> BuildRow:
     """Apps for their unit tests: no graph, no board."""
     nodes = {app.name: app for app in apps}
-    return BuildRow("virtual", "", "", [], _libraries(nodes), _roots(nodes), list(map(str, inputs)))
+    texts = list(map(str, inputs))
+    return BuildRow("virtual", "", "", [], _libraries(nodes), _roots(nodes), texts, Small([], []))
 
 
 def _libraries(nodes: dict[str, Interface]) -> list[CMakeLibrary]:

@@ -52,9 +52,13 @@ struct LogTable {
     const StartValues* start = nullptr;   // the same parameters, where an option may replace them
     const LogChanges* changes = nullptr;  // none where parameters are fixed
     const LogEvents* events;
-    const char* graph;                          // name
-    const char* graph_hash;                     // of what behaves; DESIGN 8
-    const RecordingTable* recording = nullptr;  // none in a build that does not record
+    const char* graph;       // name
+    const char* graph_hash;  // of what behaves; DESIGN 8
+#ifdef STATOR_RECORDING
+    const RecordingTable* recording = nullptr;
+#else
+    static constexpr const RecordingTable* recording = nullptr;  // so that none of its code is left
+#endif
 };
 
 extern const LogTable log_table;  // generated, where the graph has a logger

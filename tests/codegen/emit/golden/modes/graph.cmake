@@ -18,6 +18,18 @@ set(graph_libraries
     [==[counter=counter=@ROOT@/graph/examples/apps/counter]==]
     [==[mode_switch=mode_switch=@ROOT@/graph/examples/apps/mode_switch]==]
 )
+# Those that only tasks have whose speed does not matter, and these tasks.
+set(graph_small_libraries
+    adder
+    counter
+    mode_switch
+)
+set(graph_small_sources
+    tasks/bold.cpp
+    tasks/adder.cpp
+    tasks/careful.cpp
+    tasks/mode_switch.cpp
+)
 # Where apps/ and drivers/ are.
 set(graph_roots
     [==[@ROOT@/graph/examples]==]

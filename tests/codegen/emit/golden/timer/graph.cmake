@@ -12,6 +12,13 @@ set(graph_sources
 set(graph_libraries
     [==[counter=counter=@ROOT@/graph/examples/apps/counter]==]
 )
+# Those that only tasks have whose speed does not matter, and these tasks.
+set(graph_small_libraries
+    counter
+)
+set(graph_small_sources
+    tasks/counter.cpp
+)
 # Where apps/ and drivers/ are.
 set(graph_roots
     [==[@ROOT@/graph/examples]==]
