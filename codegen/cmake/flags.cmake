@@ -32,14 +32,15 @@ if(STATOR_SANITIZE)
     target_link_options(stator_flags INTERFACE -fsanitize=${STATOR_SANITIZE})
 endif()
 
-# stator_precompile(TARGET [TEST]): Eigen's headers, and those of tests, take most of a compilation, so
+# stator_precompile(TARGET [TEST] [SMALL]): Eigen's headers, and those of tests, take most of a compilation, so
 # they are compiled once. They see no option of a graph, a board or an executor: all build folders
 # share them, by ccache. A folder of tests with other flags sets STATOR_PRECOMPILED to a name of its
 # own. The runtime, the world and clang-tidy compile without, so that a missing include shows.
-# The code of tests is optimised less, because it takes longer to compile than to run.
+# The code of tests is optimised less, because it takes longer to compile than to run. What is small
+# is optimised for size.
 set(STATOR_PRECOMPILED stator_precompiled)
 function(stator_precompile target)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "TEST" "" "")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "TEST;SMALL" "" "")
     set(name ${STATOR_PRECOMPILED})
     set(headers <Eigen/Core> <Eigen/Geometry>)
     if(arg_TEST)
@@ -47,11 +48,18 @@ function(stator_precompile target)
         set_target_properties(${target} PROPERTIES STATOR_OPTIMIZE -O1)
         list(APPEND headers <gtest/gtest.h>)
     endif()
+    if(arg_SMALL)
+        string(APPEND name _small)
+        set_target_properties(${target} PROPERTIES STATOR_OPTIMIZE -Os)
+    endif()
     if(NOT TARGET ${name})
         file(WRITE "${CMAKE_BINARY_DIR}/${name}.cpp" "")
         add_library(${name} OBJECT "${CMAKE_BINARY_DIR}/${name}.cpp")
         target_link_libraries(${name} PRIVATE stator_flags $<$<BOOL:${arg_TEST}>:GTest::gtest>)
         target_precompile_headers(${name} PRIVATE ${headers})
+        if(arg_SMALL)
+            set_target_properties(${name} PROPERTIES STATOR_OPTIMIZE -Os)
+        endif()
     endif()
     target_precompile_headers(${target} REUSE_FROM ${name})
 endfunction()

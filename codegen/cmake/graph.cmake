@@ -95,11 +95,6 @@ function(stator_add_rules target objects libraries)
     add_dependencies(${target}_rules ${target}_rules_checked)
 endfunction()
 
-# Optimised for size: without headers that were precompiled for speed, which the compiler refuses.
-function(stator_make_small)
-    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -Os SKIP_PRECOMPILE_HEADERS ON)
-endfunction()
-
 # A target for each app and driver of what was generated. Sets `libraries` and `ports` in the caller.
 function(stator_add_nodes target folder)
     # What all apps and drivers may include: messages, topics, maths, DroneCAN, MAVLink.
@@ -131,8 +126,8 @@ function(stator_add_nodes target folder)
             add_library(${library} STATIC ${sources})
             target_include_directories(${library} PUBLIC "${source_folder}" "${own_ports}")
             target_link_libraries(${library} PUBLIC ${target}_interfaces)
-            if(graph_executor STREQUAL "cortex_m" AND CMAKE_MATCH_1 IN_LIST graph_small_libraries)
-                stator_make_small(${sources})
+            if(CMAKE_MATCH_1 IN_LIST graph_small_libraries)
+                stator_precompile(${library} SMALL)
             else()
                 stator_precompile(${library})
             endif()
@@ -167,24 +162,31 @@ function(stator_add_graph_parts target graph board)
     stator_generate("${folder}" "${graph}" --board "${board}" ${stator_gen_options})
     stator_add_nodes(${target} "${folder}")
 
-    if(graph_executor STREQUAL "cortex_m")
-        list(TRANSFORM graph_small_sources PREPEND "${folder}/")
-        stator_make_small(${graph_small_sources})
-    endif()
+    list(REMOVE_ITEM graph_sources ${graph_small_sources})
     list(TRANSFORM graph_sources PREPEND "${folder}/")
+    list(TRANSFORM graph_small_sources PREPEND "${folder}/")
     add_library(${target}_generated OBJECT ${graph_sources})
+    set(parts generated)
+    if(graph_small_sources)  # of an image only
+        add_library(${target}_generated_small OBJECT ${graph_small_sources})
+        target_sources(${target}_generated INTERFACE $<TARGET_OBJECTS:${target}_generated_small>)
+        stator_precompile(${target}_generated_small SMALL)
+        list(APPEND parts generated_small)
+    endif()
+    stator_precompile(${target}_generated)
     # Only these and the board know apps and drivers: by "apps/NAME/NAME.hpp", as two may have a file
     # of one name. In this order, and only for names in quotes.
     set(quoted "${folder}" ${ports} ${graph_roots})
     list(TRANSFORM quoted PREPEND "-iquote")
-    target_compile_options(${target}_generated PUBLIC ${quoted})
-    target_link_libraries(${target}_generated PUBLIC ${libraries} ${target}_interfaces)
-    stator_precompile(${target}_generated)
-    # Headers take most of the compilation of a task, so eight files are compiled as one; each task has
-    # a namespace of its own. Not where their definitions are compared.
-    if(NOT STATOR_ODR)
-        set_target_properties(${target}_generated PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
-    endif()
+    foreach(part IN LISTS parts)
+        target_compile_options(${target}_${part} PUBLIC ${quoted})
+        target_link_libraries(${target}_${part} PUBLIC ${libraries} ${target}_interfaces)
+        # Headers take most of the compilation of a task, so eight files are compiled as one; each task
+        # has a namespace of its own. Not where their definitions are compared.
+        if(NOT STATOR_ODR)
+            set_target_properties(${target}_${part} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+        endif()
+    endforeach()
     stator_add_rules(${target} "$<TARGET_OBJECTS:${target}_generated>" "${graph_libraries}")
     set(graph_board "${graph_board}" PARENT_SCOPE)
     set(graph_chip "${graph_chip}" PARENT_SCOPE)

@@ -544,7 +544,7 @@ def _build(
         libraries=_libraries(nodes),
         roots=_roots(nodes),
         inputs=sorted({str(path) for path in (*plan.graph.files, plan.board.file)}),
-        small=_small(plan, files),
+        small=_small(plan, files) if executor == "cortex_m" else Small([], []),
     )
 
 

@@ -20,15 +20,8 @@ set(graph_libraries
 )
 # Those that only tasks have whose speed does not matter, and these tasks.
 set(graph_small_libraries
-    adder
-    counter
-    mode_switch
 )
 set(graph_small_sources
-    tasks/bold.cpp
-    tasks/adder.cpp
-    tasks/careful.cpp
-    tasks/mode_switch.cpp
 )
 # Where apps/ and drivers/ are.
 set(graph_roots

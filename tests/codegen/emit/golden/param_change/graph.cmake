@@ -19,14 +19,8 @@ set(graph_libraries
 )
 # Those that only tasks have whose speed does not matter, and these tasks.
 set(graph_small_libraries
-    adjuster
-    counter
-    parameters
 )
 set(graph_small_sources
-    tasks/counter.cpp
-    tasks/adjuster.cpp
-    tasks/parameters.cpp
 )
 # Where apps/ and drivers/ are.
 set(graph_roots

@@ -14,10 +14,8 @@ set(graph_libraries
 )
 # Those that only tasks have whose speed does not matter, and these tasks.
 set(graph_small_libraries
-    counter
 )
 set(graph_small_sources
-    tasks/counter.cpp
 )
 # Where apps/ and drivers/ are.
 set(graph_roots

@@ -17,13 +17,8 @@ set(graph_libraries
 )
 # Those that only tasks have whose speed does not matter, and these tasks.
 set(graph_small_libraries
-    adder
-    counter
 )
 set(graph_small_sources
-    tasks/fast.cpp
-    tasks/adder.cpp
-    tasks/slow.cpp
 )
 # Where apps/ and drivers/ are.
 set(graph_roots
