@@ -189,6 +189,17 @@ void Filter::forget_inertial_errors() {
     covariance_.reset(ErrorState::kAccelBias, 3, math::square(kAccelBias));
 }
 
+void Filter::forget_accel_bias() {
+    constexpr float kTilt = 0.2F;            // rad
+    constexpr float kAccelBias = 0.5F;       // m/s^2
+    constexpr float kUnknownHeading = 1.0F;  // rad^2
+    bias_.accel.setZero();
+    for (unsigned turn = kTurn; turn < kTurn + 2; ++turn)
+        covariance_.reset(turn, 1, math::max(variance(turn), math::square(kTilt)));
+    covariance_.reset(ErrorState::kAccelBias, 3, math::square(kAccelBias));
+    inflate_heading_variance(kUnknownHeading);
+}
+
 void Filter::shift_mag_offset(float change, float variance) {
     mag_offset_ = math::wrap_pi(mag_offset_ + change);
     covariance_.reset(kMagOffset, 1, variance);

@@ -132,7 +132,10 @@ void Navigation::add_imu(uint64_t time_us, const Vector& rate_B, const Navigatio
         doubt_.update(command_, -force.z(), dt);
     else
         doubt_.reset();
-    if (flies_ && filter_.has_impossible_accel_bias()) doubt_.agreed();
+    if (flies_ && filter_.has_impossible_accel_bias()) {
+        doubt_.refuted();
+        filter_.forget_accel_bias();
+    }
     // Commands say better what is felt than an accelerometer that cannot be right.
     window_.add(rate, doubt_.now() ? doubt_.expected() : force, dt);
     if (window_.open_time() + 0.5F * dt < params.step_time) return;

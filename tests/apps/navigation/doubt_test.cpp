@@ -60,6 +60,17 @@ TEST(Doubt, ClearsByItselfWhereTheForceIsRight) {
     EXPECT_FALSE(doubt.now());
 }
 
+// What it learned from a wrong sensor takes longer to unlearn.
+TEST(Doubt, LastsLongerAfterAnImpossibleBias) {
+    Doubt doubt = after_a_hover();
+    doubt.refuted();
+    doubt.agreed();
+    fly(doubt, kHover, kGravity, 2.9F);
+    EXPECT_TRUE(doubt.now());
+    fly(doubt, kHover, kGravity, 0.2F);
+    EXPECT_FALSE(doubt.now());
+}
+
 // It is the commands that say what is felt then; what is felt wrongly is not learned.
 TEST(Doubt, ExpectsWhatTheCommandsExplain) {
     Doubt doubt = after_a_hover();
