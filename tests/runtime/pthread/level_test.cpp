@@ -33,7 +33,7 @@ TEST_F(LevelTest, tasks_of_a_level_run_in_planned_order_and_to_completion) {
     jobs[2] = [&] { order += "a"; };
     set_pending(kPends[3]);
     set_pending(kPends[2]);
-    ASSERT_TRUE(start());
+    ASSERT_TRUE(testing::start_unhurried());
     ASSERT_TRUE(wait_until_idle(testing::kForever_us));
     EXPECT_TRUE(finish());
     EXPECT_EQ(order, "ababab") << "the first bit first, peers after the job";
@@ -69,7 +69,7 @@ TEST_F(LevelTest, figures_are_of_whole_activations) {
         counters.last_ticks = 1;
     };
     set_pending(kPends[0]);
-    ASSERT_TRUE(start());
+    ASSERT_TRUE(testing::start_unhurried());
     ASSERT_TRUE(wait_for([&] { return is_in_the_middle.load(); }));
     EXPECT_EQ(figures_of(0).activations, 0U);
     may_end.store(true);
@@ -107,7 +107,7 @@ TEST_F(LevelTest, no_pend_is_lost) {
         seen = published.load(std::memory_order_relaxed);
         ++activations;
     };
-    ASSERT_TRUE(start());
+    ASSERT_TRUE(testing::start_unhurried());
     std::thread others[2];
     for (std::thread& other : others) {
         other = std::thread([&] {
@@ -132,7 +132,7 @@ TEST_F(LevelTest, levels_that_wake_each_other_come_to_no_standstill) {
     jobs[5] = [&] {
         if (++rounds < kRounds) set_pending(kPends[0]);
     };
-    ASSERT_TRUE(start());
+    ASSERT_TRUE(testing::start_unhurried());
     set_pending(kPends[0]);
     ASSERT_TRUE(wait_until_idle(testing::kForever_us));
     EXPECT_TRUE(finish());
@@ -148,7 +148,7 @@ TEST_F(LevelTest, every_release_is_served_or_counted) {
         EXPECT_LE(nominal_time_us(testing::timer_state, 1000, 0), clock_us());
         if (++activations % 10 == 0) sleep_until_us(clock_us() + 3'500);
     };
-    ASSERT_TRUE(start());
+    ASSERT_TRUE(testing::start_unhurried());
     EXPECT_EQ(wait_until(200'000), Ending::kTime);
     EXPECT_TRUE(finish());
     EXPECT_GT(testing::timer_state.missed, 0U);
@@ -170,7 +170,7 @@ TEST_F(LevelTest, a_slower_clock_is_slower_in_all) {
         const auto passed = std::chrono::steady_clock::now() - begin;
         return kSpeed * std::chrono::duration<double, std::micro>(passed).count();
     };
-    ASSERT_TRUE(start({.speed = kSpeed}));
+    ASSERT_TRUE(testing::start_unhurried(kSpeed));
     sleep_until_us(10'000);
     EXPECT_GE(clock_us(), 10'000U);
     EXPECT_LE(static_cast<double>(clock_us()), most_us());
@@ -189,7 +189,7 @@ TEST_F(LevelTest, what_is_pending_at_the_end_still_runs) {
         sleep_until_us(clock_us() + 20'000);
         ++runs;
     };
-    ASSERT_TRUE(start());
+    ASSERT_TRUE(testing::start_unhurried());
     set_pending(kPends[0]);
     EXPECT_TRUE(finish());
     EXPECT_EQ(runs, 1U);
@@ -198,14 +198,14 @@ TEST_F(LevelTest, what_is_pending_at_the_end_still_runs) {
 TEST_F(LevelTest, no_thread_is_left) {
     std::thread([] {}).join();  // makes the sanitizer start its own
     const std::ptrdiff_t before = threads();
-    ASSERT_TRUE(start());
+    ASSERT_TRUE(testing::start_unhurried());
     EXPECT_EQ(threads(), before + 4);
     EXPECT_TRUE(finish());
     EXPECT_EQ(threads(), before);
 }
 
 TEST_F(LevelTest, a_signal_ends_the_wait) {
-    ASSERT_TRUE(start());
+    ASSERT_TRUE(testing::start_unhurried());
     kill(getpid(), SIGTERM);
     EXPECT_EQ(wait_until(testing::kForever_us), Ending::kSignal);
     EXPECT_EQ(ending_signal(), SIGTERM);
@@ -215,7 +215,7 @@ TEST_F(LevelTest, a_signal_ends_the_wait) {
 TEST_F(LevelTest, a_task_ends_the_wait) {
     jobs[5] = [] { stop(); };
     set_pending(kPends[5]);
-    ASSERT_TRUE(start());
+    ASSERT_TRUE(testing::start_unhurried());
     EXPECT_EQ(wait_until(testing::kForever_us), Ending::kStopped);
     EXPECT_TRUE(finish());
 }
@@ -227,7 +227,7 @@ TEST_F(LevelTest, what_does_not_come_to_rest_is_told) {
         sleep_until_us(clock_us() + 100);
     };
     set_pending(kPends[5]);
-    ASSERT_TRUE(start());
+    ASSERT_TRUE(testing::start_unhurried());
     EXPECT_FALSE(finish());
     for (unsigned level = 0; level < 3; ++level) EXPECT_EQ(unended_task(level), nullptr);
 }
@@ -240,7 +240,7 @@ TEST_F(LevelTest, a_task_that_does_not_end_is_left_and_named) {
         while (goes_on) sleep_until_us(clock_us() + 100);
     };
     set_pending(kPends[2]);
-    ASSERT_TRUE(start());
+    ASSERT_TRUE(testing::start_unhurried());
     EXPECT_FALSE(finish());
     EXPECT_EQ(unended_task(0), nullptr);
     ASSERT_NE(unended_task(1), nullptr);

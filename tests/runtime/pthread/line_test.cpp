@@ -23,7 +23,7 @@ class LineTest : public ::testing::Test {
   protected:
     ~LineTest() override { EXPECT_TRUE(!started_ || finish()); }
     void begin() {
-        ASSERT_TRUE(start());
+        ASSERT_TRUE(testing::start_unhurried());
         started_ = true;
     }
 

@@ -35,7 +35,7 @@ class LinkTest : public ::testing::Test {
     }
     void begin(double speed = 1.0) {
         ASSERT_TRUE(offer_link(path_.c_str()));
-        ASSERT_TRUE(start({.speed = speed}));
+        ASSERT_TRUE(testing::start_unhurried(speed));
         started_ = true;
     }
     static void serve_for(uint64_t time_us) { wait_until(clock_us() + time_us); }

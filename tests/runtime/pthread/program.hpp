@@ -29,6 +29,12 @@ inline constexpr uint64_t kForever_us = 60'000'000;
 // Waits until `condition()`; false after kForever_us.
 bool wait_for(const std::function<bool()>& condition);
 
+// Starts the graph without real-time priorities: a lock of the thread sanitizer spins, for ever if
+// a less urgent thread was interrupted while it held the lock.
+inline bool start_unhurried(double speed = 1.0) {
+    return start({.real_time = false, .speed = speed});
+}
+
 // What the wrapper of task 2 does.
 inline bool line_fired() {
     return served_now(line_state.fires, line_state.served);
