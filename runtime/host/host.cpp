@@ -1,3 +1,4 @@
+// What nodes print, and how programs of this machine die: crashes and endless steps.
 #include "stator/host.hpp"
 
 #include <execinfo.h>

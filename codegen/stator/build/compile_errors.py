@@ -61,7 +61,7 @@ def errors_in(output: str, folder: Path) -> str:
 
 
 def kept(output: str, folder: Path) -> str:
-    """Writes the output to the build's folder. The hint that says so; empty if there is no room."""
+    """Writes the output to the build's folder. The hint that says so; empty if the disk is full."""
     whole = folder / "errors.log"
     try:
         whole.write_text(f"{output}\n", encoding="utf-8")

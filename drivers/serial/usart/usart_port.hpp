@@ -51,7 +51,7 @@ class Ring {
 
   public:
     // The one that puts: bytes behind those that are there, which count from `commit` on. False:
-    // there is no room.
+    // they do not fit.
     bool add(std::span<const uint8_t> bytes) {
         if (bytes.size() > kSize - (added_ - begin_.load())) return false;
         for (const uint8_t byte : bytes) bytes_[added_++ % kSize] = byte;
@@ -96,7 +96,7 @@ class UsartPort {
         registers_.write(kControl1, kRuns);
     }
 
-    // What is added goes out once it is committed. False: there is no room for it.
+    // What is added goes out once it is committed. False: it does not fit.
     [[nodiscard]] bool add(std::span<const uint8_t> bytes) { return out_.add(bytes); }
     void drop() { out_.drop(); }
     // The interrupt finds the bytes, or it comes once in vain.

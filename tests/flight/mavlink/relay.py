@@ -7,11 +7,13 @@ import contextlib
 import random
 import select
 import socket
-import threading
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from tests.flight.mavlink.vehicle import in_background
+
 if TYPE_CHECKING:
+    import threading
     from collections.abc import Iterator
 
 
@@ -44,13 +46,12 @@ def _changed(data: bytes, link: Link, draw: random.Random, *, to_vehicle: bool) 
 def relay(vehicle_port: int, station_port: int, link: Link, seed: int = 1) -> Iterator[None]:
     """Passes on between the vehicle, which sends to `vehicle_port`, and the station."""
     draw = random.Random(seed)
-    ends = threading.Event()
     near = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)  # to the vehicle
     far = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     near.bind(("127.0.0.1", vehicle_port))
     far.bind(("127.0.0.1", 0))
 
-    def run() -> None:
+    def run(ends: threading.Event) -> None:
         vehicle: tuple[str, int] | None = None
         while not ends.is_set():
             for ready in select.select([near, far], [], [], 0.1)[0]:
@@ -64,12 +65,5 @@ def relay(vehicle_port: int, station_port: int, link: Link, seed: int = 1) -> It
                         elif vehicle is not None:
                             near.sendto(part, vehicle)
 
-    thread = threading.Thread(target=run)
-    thread.start()
-    try:
+    with near, far, in_background(run):
         yield
-    finally:
-        ends.set()
-        thread.join()
-        near.close()
-        far.close()

@@ -5,17 +5,19 @@ from __future__ import annotations
 
 import contextlib
 import math
-import threading
 import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pyulog import ULog
-from tests.flight.mavlink.vehicle import Station, flying, free_port, mavlink
+from tests.flight.mavlink.vehicle import in_background, mavlink, met
 
 if TYPE_CHECKING:
+    import threading
     from collections.abc import Callable, Iterator
     from pathlib import Path
+
+    from tests.flight.mavlink.vehicle import Station
 
 OFFBOARD = 6 << 16
 POSITION_AND_YAW = 0x9F8
@@ -28,20 +30,14 @@ RC_LOST, STATION_LOST, OFFBOARD_LOST = 7, 8, 9
 @contextlib.contextmanager
 def repeated(send: Callable[[], None], hz: float = 60.0) -> Iterator[None]:
     """Sends in the background while the block runs, so often that a busy machine does not show."""
-    ends = threading.Event()
 
-    def run() -> None:
+    def run(ends: threading.Event) -> None:
         while not ends.is_set():
             send()
             time.sleep(1.0 / hz)
 
-    thread = threading.Thread(target=run)
-    thread.start()
-    try:
+    with in_background(run):
         yield
-    finally:
-        ends.set()
-        thread.join()
 
 
 class Steering:
@@ -85,12 +81,8 @@ def last_before(log: Path, name: str, time_s: float) -> float:
 
 
 def test_setpoints_fly_it_and_their_end_holds(tmp_path: Path) -> None:
-    port = free_port()
     log = tmp_path / "offboard.ulg"
-    with flying(log, "--mavlink", f"udp:{port}", *SPEED) as facts:
-        station = Station(f"udpin:127.0.0.1:{port}")
-        station.connect()
-        station.wait_until_armable()
+    with met(log, *SPEED) as (station, facts):
         refused = station.command(mavlink.MAV_CMD_DO_SET_MODE, 1, 6, 0)
         assert refused == mavlink.MAV_RESULT_TEMPORARILY_REJECTED
         start = station.wait("LOCAL_POSITION_NED")
@@ -111,7 +103,6 @@ def test_setpoints_fly_it_and_their_end_holds(tmp_path: Path) -> None:
         station.wait("LOCAL_POSITION_NED", lambda p: math.hypot(p.vx, p.vy, p.vz) < 0.2)
         station.accept(mavlink.MAV_CMD_NAV_LAND)
         station.wait_armed(False)
-        station.close()
     assert facts["success"], facts["reason"]
     assert facts["refused_publications"] == 0
     lost_s = change(log, "failsafe_event", OFFBOARD_LOST)
@@ -119,12 +110,8 @@ def test_setpoints_fly_it_and_their_end_holds(tmp_path: Path) -> None:
 
 
 def test_an_attitude_and_rates_are_flown(tmp_path: Path) -> None:
-    port = free_port()
     log = tmp_path / "attitude.ulg"
-    with flying(log, "--mavlink", f"udp:{port}", *SPEED) as facts:
-        station = Station(f"udpin:127.0.0.1:{port}")
-        station.connect()
-        station.wait_until_armable()
+    with met(log, *SPEED) as (station, facts):
         station.take_off()
         station.wait_mode("LOITER")
         half = math.radians(10.0) / 2.0
@@ -143,18 +130,13 @@ def test_an_attitude_and_rates_are_flown(tmp_path: Path) -> None:
         station.wait("LOCAL_POSITION_NED", lambda p: math.hypot(p.vx, p.vy, p.vz) < 0.2)
         station.accept(mavlink.MAV_CMD_NAV_LAND)
         station.wait_armed(False)
-        station.close()
     assert facts["success"], facts["reason"]
 
 
 def test_sticks_of_a_station_fly_it_and_their_silence_is_a_loss(tmp_path: Path) -> None:
     """The simulated radio is heard all the time, with its sticks in the middle."""
-    port = free_port()
     log = tmp_path / "sticks.ulg"
-    with flying(log, "--mavlink", f"udp:{port}", *SPEED) as facts:
-        station = Station(f"udpin:127.0.0.1:{port}")
-        station.connect()
-        station.wait_until_armable()
+    with met(log, *SPEED) as (station, facts):
         station.take_off()
         station.wait_mode("LOITER")
         begin = station.wait("LOCAL_POSITION_NED")
@@ -170,19 +152,14 @@ def test_sticks_of_a_station_fly_it_and_their_silence_is_a_loss(tmp_path: Path) 
             )
         station.wait_mode("RTL")
         station.wait_armed(False)
-        station.close()
     assert facts["success"], facts["reason"]
     lost_s = change(log, "failsafe_event", RC_LOST)
     assert 0.5 < lost_s - last_before(log, "station_sticks", lost_s) < 1.0
 
 
 def test_a_station_that_falls_silent_is_lost(tmp_path: Path) -> None:
-    port = free_port()
     log = tmp_path / "station.ulg"
-    with flying(log, "--mavlink", f"udp:{port}", *SPEED) as facts:
-        station = Station(f"udpin:127.0.0.1:{port}")
-        station.connect()
-        station.wait_until_armable()
+    with met(log, *SPEED) as (station, facts):
         mav = station.link.mav
         for name, value in ((b"NAV_DLL_ACT", 2), (b"COM_DL_LOSS_T", 5)):
             real = name == b"COM_DL_LOSS_T"
@@ -198,7 +175,6 @@ def test_a_station_that_falls_silent_is_lost(tmp_path: Path) -> None:
             station.wait_mode("LOITER")
         station.wait_mode("RTL")
         station.wait_armed(False)
-        station.close()
     assert facts["success"], facts["reason"]
     lost_s = change(log, "failsafe_event", STATION_LOST)
     assert 4.9 < lost_s - last_before(log, "station_heartbeat", lost_s) < 6.0

@@ -12,6 +12,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,6 +56,19 @@ def flying(log: Path, *options: str, how: str = "fly") -> Iterator[dict[str, Any
             output, errors = process.communicate(timeout=HANGS_S)
     assert output, errors
     result |= json.loads(output)
+
+
+@contextlib.contextmanager
+def in_background(work: Callable[[threading.Event], None]) -> Iterator[None]:
+    """Runs a function beside the block. It returns once its event is set, at the block's end."""
+    ends = threading.Event()
+    thread = threading.Thread(target=work, args=(ends,))
+    thread.start()
+    try:
+        yield
+    finally:
+        ends.set()
+        thread.join()
 
 
 # Frame, command, four parameters, x, y, z.
@@ -150,3 +164,17 @@ class Station:
             items.append(self.wait("MISSION_ITEM_INT", lambda item, i=i: item.seq == i))
         self.link.mav.mission_ack_send(1, 1, mavlink.MAV_MISSION_ACCEPTED, kind)
         return items
+
+
+@contextlib.contextmanager
+def met(log: Path, *options: str) -> Iterator[tuple[Station, dict[str, Any]]]:
+    """A flight, and a station that has waited until the vehicle can be armed."""
+    port = free_port()
+    with flying(log, "--mavlink", f"udp:{port}", *options) as facts:
+        station = Station(f"udpin:127.0.0.1:{port}")
+        station.connect()
+        station.wait_until_armable()
+        try:
+            yield station, facts
+        finally:
+            station.close()
