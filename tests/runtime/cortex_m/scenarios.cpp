@@ -92,7 +92,10 @@ void low() {
     run_low([] {
         constexpr uint32_t kStarts[] = {0xFFFFFF00U, 0x7FFFFF00U};
         for (const uint32_t start : kStarts) {
-            clock_offset += start - board::timer_us();
+            const uint32_t jump = start - board::timer_us();
+            // Otherwise the releases of up to 71 minutes would be made one by one.
+            for (const Timer& timer : kTimers) timer.state->released_us = clock_us() + jump;
+            clock_offset += jump;
             stator_release();
             const uint64_t begin = clock_us();
             uint64_t last = begin;
