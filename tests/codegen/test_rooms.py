@@ -12,7 +12,18 @@ GROUND = (
     *("version", "lock", "processes"),
 )
 ROOMS = (
-    *("language", "graph", "plan", "emit", "pipeline", "build", "mission", "live", "params"),
+    *(
+        "language",
+        "graph",
+        "plan",
+        "prove",
+        "emit",
+        "pipeline",
+        "build",
+        "mission",
+        "live",
+        "params",
+    ),
     *("flight", "charts", "score", "emulator", "bench", "schema", "testing", "commands"),
     "__main__",
 )

@@ -7,7 +7,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stator.graph.interfaces import find_device_class
-from stator.graph.model import Board, Chip, Device, Interface, Memory, Upload
+from stator.graph.model import (
+    Board,
+    BoardInterrupt,
+    Chip,
+    Costs,
+    Device,
+    Interface,
+    Memory,
+    Upload,
+)
 from stator.language import keys as language
 from stator.language.shapes import Leaf, Record, check_name, items, quoted
 
@@ -56,6 +65,27 @@ def read_board(sources: Sources, name: str, path: Path) -> Board | None:
         upload=None
         if upload is None
         else Upload(upload.value("board_id"), upload.value("pyocd_target")),
+        costs=_costs(record.get("costs")),
+    )
+
+
+def _costs(record: Record | None) -> Costs | None:
+    if record is None:
+        return None
+    return Costs(
+        source=record.value("from", language.PROVENANCES[0]),
+        task_ns=record.value("task_ns", 0),
+        release_ns=record.value("release_ns", 0),
+        timer_ns=record.value("timer_ns", 0),
+        dispatch_ns=record.value("dispatch_ns", 0),
+        line_ns=record.value("line_ns", 0),
+        section_ns=record.value("section_ns", 0),
+        clock_ns=record.value("clock_ns", 0),
+        instruction_ns=record.value("instruction_ns"),
+        interrupts={
+            name: BoardInterrupt(row.value("min_interarrival", 1), row.value("budget_ns", 0))
+            for name, row in items(record, "interrupts")
+        },
     )
 
 
@@ -107,7 +137,8 @@ def _device(sources: Sources, name: str, record: Record, chip: Chip | None) -> D
     if interface is not None:
         _check_lines(record, interface, chip, sources.report)
     lines = {key: tuple(w.value for w in wires.value) for key, wires in items(record, "lines")}
-    return Device(name, driver.value, device_class, lines, interface, record.value("bytes_per_s"))
+    bus, speed = record.value("bus", ""), record.value("bytes_per_s")
+    return Device(name, driver.value, device_class, lines, bus, interface, speed)
 
 
 def _check_lines(record: Record, interface: Interface, chip: Chip | None, report: Report) -> None:

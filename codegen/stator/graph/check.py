@@ -16,7 +16,7 @@ from stator.graph.checks.nodes import read_nodes
 from stator.graph.checks.parts import read_chains, read_modes
 from stator.graph.checks.replaced import check_replaced
 from stator.graph.checks.topics import connect
-from stator.graph.model import Board, Graph
+from stator.graph.model import Board, Budget, Graph
 from stator.graph.sources import Sources
 from stator.language import keys as language
 from stator.language.compose import Composer, check_variables
@@ -93,7 +93,9 @@ def _boards(
     return own, find_board(sources, name, mark, " (given with --board)")
 
 
-def _budgets(path: Path, board: Board | None, record: Record, sources: Sources) -> dict[str, int]:
+def _budgets(
+    path: Path, board: Board | None, record: Record, sources: Sources
+) -> dict[str, Budget]:
     """The measured budgets of this board, if there are any."""
     if board is None:
         return {}
@@ -114,7 +116,11 @@ def _budgets(path: Path, board: Board | None, record: Record, sources: Sources) 
             f"unknown node '{name}' in {path.name}",
             f"did you mean '{close[0]}'?",
         )
-    return {name: leaf.value for name, leaf in table.values.items()}
+    return {
+        name: Budget(found.value("budget"), found.value("from", language.PROVENANCES[0]))
+        for name, found in table.values.items()
+        if found.value("budget") is not None
+    }
 
 
 def _letters(name: str) -> str:

@@ -138,6 +138,7 @@ class Device:
     driver: str  # "imu/sim", or "none"
     device_class: str
     lines: dict[str, tuple[str, ...]]  # pins or peripherals that raise it
+    bus: str
     interface: Interface | None  # None: the class has errors
     bytes_per_s: int | None = None  # of a storage
 
@@ -163,6 +164,28 @@ class Upload:
 
 
 @dataclass(frozen=True)
+class BoardInterrupt:
+    min_interarrival_us: int
+    budget_ns: int
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What the executor takes beside the nodes. The keys are described in language/keys.py."""
+
+    source: str  # one of PROVENANCES
+    task_ns: int
+    release_ns: int
+    timer_ns: int
+    dispatch_ns: int
+    line_ns: int
+    section_ns: int
+    clock_ns: int
+    instruction_ns: int | None
+    interrupts: dict[str, BoardInterrupt]
+
+
+@dataclass(frozen=True)
 class Board:
     name: str
     file: Path
@@ -172,6 +195,13 @@ class Board:
     interrupts: tuple[str, ...]  # vectors whose handlers are the board's own code
     devices: dict[str, Device]
     upload: Upload | None
+    costs: Costs | None
+
+
+@dataclass(frozen=True)
+class Budget:
+    us: int
+    source: str  # one of PROVENANCES
 
 
 @dataclass(frozen=True)
@@ -214,11 +244,15 @@ class Node:
     triggers: tuple[Trigger, ...]
     priority: int | None
     deadline_us: int | None
-    budget_us: int | None
+    budget: Budget | None
     inputs: dict[str, NodeInput]
     outputs: dict[str, NodeOutput]
     params: dict[str, Value]
     mark: Mark
+
+    @property
+    def budget_us(self) -> int | None:
+        return None if self.budget is None else self.budget.us
 
     def way_of(self, source: NodeInput) -> str:
         """How the node reads an input: trigger, thinned, queue or latest."""

@@ -23,6 +23,10 @@ MAX_TASKS_OF_THREAD = 30  # the bits of a word, except two that the thread itsel
 DEPTHS = (1, 2, 4, 8, 16)
 MAX_SLOTS = 32
 
+# What a time rests on, the weakest first: a guess, instructions counted in the emulator times a
+# stated time for each, or the cycle counter of the board itself.
+PROVENANCES = ("guessed", "emulated", "hardware")
+
 MAX_TIMERS = 32  # of one node: each has a bit in the word that says what woke the node
 MAX_MODES = 255
 MAX_LOGGED_BYTES = 1000  # of a message: the size of a block of the log
@@ -364,6 +368,49 @@ UPLOAD = Struct(
         ),
     }
 )
+_FROM = Key(Choice(PROVENANCES), "What these times rest on; guessed if left out.")
+_MAX_NS = 1_000_000_000
+
+
+def _ns(doc: str, *, required: bool = True) -> Key:
+    return Key(Integer(0, _MAX_NS), doc, required)
+
+
+COSTS = Struct(
+    {
+        "from": _FROM,
+        "task_ns": _ns(
+            "An activation beside its budget: entry and exit of the interrupt, and the generated "
+            "code that its budget does not cover."
+        ),
+        "release_ns": _ns("The handler of the timer for periods, without its timers."),
+        "timer_ns": _ns("The same handler, for each timer of the graph."),
+        "dispatch_ns": _ns("The handler of an interrupt that several lines share, without these."),
+        "line_ns": _ns("The same handler, for each of its lines."),
+        "section_ns": _ns("The longest section in which topic operations mask levels."),
+        "clock_ns": _ns("The resolution of the clock."),
+        "instruction_ns": _ns(
+            "The longest mean time of an instruction; `measure` multiplies counts of the emulator "
+            "by it.",
+            required=False,
+        ),
+        "interrupts": Key(
+            Table(
+                Struct(
+                    {
+                        "min_interarrival": Key(
+                            Period(), "The shortest time between two.", required=True
+                        ),
+                        "budget_ns": _ns("The longest execution time, with entry and exit."),
+                    }
+                ),
+                "a vector",
+            ),
+            "What the handlers in the board's own code take, above every level. One that is the "
+            "`bus` of devices counts only in graphs that have such a device.",
+        ),
+    }
+)
 BOARD = Struct(
     {
         "doc": Key(Text(), "What the board is."),
@@ -384,6 +431,7 @@ BOARD = Struct(
             Table(MEMORY, "a memory"),
             "Memories that differ from the chip's, for example a flash that a bootloader shares.",
         ),
+        "costs": Key(COSTS, "What the executor takes beside the nodes, for `prove`."),
         "upload": Key(UPLOAD, "How `build` and `flash` make and load firmware for this board."),
         "devices": Key(
             Table(DEVICE, "a device"),
@@ -417,4 +465,20 @@ CHIP = Struct(
     }
 )
 # graph/budgets/BOARD.yaml: the longest execution time of each node, measured on that board.
-BUDGETS = Table(Period(), "a node")
+BUDGETS = Table(
+    Short(
+        "budget",
+        Struct(
+            {
+                "budget": Key(
+                    Period(), "The longest execution time of one activation.", required=True
+                ),
+                "from": _FROM,
+                "instructions": Key(
+                    Integer(1), "The most that `measure` counted in one activation."
+                ),
+            }
+        ),
+    ),
+    "a node",
+)

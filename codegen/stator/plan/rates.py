@@ -16,7 +16,7 @@ class Rates:
         self.graph = graph
         self._periods: dict[str, Fraction | None] = {}
         self._of_topics: dict[str, Fraction | None] = {}
-        for name in _publishers_first(graph):
+        for name in publishers_first(graph):
             self._periods[name] = self._of_node(graph.nodes[name])
 
     def node(self, name: str) -> Fraction | None:
@@ -67,7 +67,7 @@ def _sum_of_rates(periods: list[Fraction | None]) -> Fraction | None:
     return 1 / sum((1 / period for period in known), Fraction(0))
 
 
-def _publishers_first(graph: Graph) -> list[str]:
+def publishers_first(graph: Graph) -> list[str]:
     """The nodes in an order in which publishers come before the nodes that their topics trigger.
     The check has refused cycles."""
     unknown = {name: len(topic.publishers) for name, topic in graph.topics.items()}

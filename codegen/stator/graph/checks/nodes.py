@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 from stator.diagnostics import Mark, Report, beside
 from stator.graph.checks.triggers import TriggerReader
 from stator.graph.interfaces import find_app
-from stator.graph.model import Board, Interface, Node, NodeInput, NodeOutput, Value
+from stator.graph.model import Board, Budget, Interface, Node, NodeInput, NodeOutput, Value
 from stator.graph.value import read_value
+from stator.language.keys import PROVENANCES
 from stator.language.shapes import Record, items
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def read_nodes(
     own: Board | None,
     board: Board | None,
     sources: Sources,
-    budgets: dict[str, int],
+    budgets: dict[str, Budget],
 ) -> Nodes:
     table = record.get("nodes")
     nodes = Nodes(declared=frozenset(table.keys))
@@ -113,7 +114,7 @@ class _NodeReader:
         own: Board | None,
         board: Board | None,
         owners: dict[str, Mark],
-        budgets: dict[str, int],
+        budgets: dict[str, Budget],
     ) -> Node | None:
         interface = self._interface(own, board, owners)
         if interface is None:
@@ -130,7 +131,7 @@ class _NodeReader:
             triggers=triggers.read([b for b in (own, board) if b is not None]),
             priority=record.value("priority"),
             deadline_us=record.value("deadline"),
-            budget_us=record.value("budget", budgets.get(self._name)),
+            budget=self._budget(budgets),
             inputs=inputs,
             outputs=self._outputs(interface),
             params=self._params(interface),
@@ -138,6 +139,11 @@ class _NodeReader:
         )
         self._tell_left_over(interface)
         return node
+
+    def _budget(self, budgets: dict[str, Budget]) -> Budget | None:
+        """What the graph writes goes before what was measured."""
+        written = self._record.value("budget")
+        return budgets.get(self._name) if written is None else Budget(written, PROVENANCES[0])
 
     def _interface(
         self, own: Board | None, board: Board | None, owners: dict[str, Mark]
