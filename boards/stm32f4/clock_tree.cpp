@@ -20,6 +20,7 @@ constexpr uint32_t kPllN = kOscillator_mhz << 6;
 constexpr uint32_t kPllPBy2 = 0U << 16;
 constexpr uint32_t kPllFromHse = 1U << 22;
 constexpr uint32_t kPllQ = 7U << 24;
+constexpr uint32_t kPllReserved = 0xF0BC8000;  // keeps its reset value
 constexpr uint32_t kHsi_mhz = 16;
 // RCC_CFGR
 constexpr uint32_t kSwitchMask = 3U << 0;
@@ -69,7 +70,8 @@ bool stop_pll() {
 
 bool start_pll(uint32_t input_mhz, uint32_t source) {
     if (!stop_pll()) return false;
-    rcc::kPll.write(input_mhz | kPllN | kPllPBy2 | source | kPllQ);
+    const uint32_t reserved = rcc::kPll.read() & kPllReserved;
+    rcc::kPll.write(reserved | input_mhz | kPllN | kPllPBy2 | source | kPllQ);
     rcc::kControl.set(kPllOn);
     if (!wait_until(rcc::kControl, kPllReady, kPllReady, kMaxPllReads)) return false;
     // Before the clock rises: 3.5.1.

@@ -105,6 +105,13 @@ def build_plant() -> Path:
     return folder / "boards" / "qemu_f405" / "plant" / "plant_server"
 
 
+def build_chip_server() -> Path:
+    """Builds the model of the Pixhawk's chip, as a program of this machine."""
+    folder = HOME / "build" / "plant"
+    configure(folder, ["-DSTATOR_TESTS=OFF"], ["chip_server"])
+    return folder / "boards" / "chip" / "chip_server"
+
+
 def short_name(file: Path) -> str:
     """The name of a graph or mission; with a hash of its place if it is not one of Stator's own, as
     another project may have one of the same name."""

@@ -39,3 +39,9 @@ def write_px4(plan: Plan, image: bytes, file: Path, graph_hash: str) -> None:
         "image": base64.b64encode(zlib.compress(image, 9)).decode("ascii"),
     }
     file.write_text(json.dumps(fields, indent=4) + "\n", encoding="utf-8")
+
+
+def image_in(file: Path) -> bytes:
+    """The bytes that an upload of the file writes into the flash."""
+    image = json.loads(file.read_text(encoding="utf-8"))["image"]
+    return zlib.decompress(base64.b64decode(image))

@@ -37,4 +37,4 @@ def test_each_debian_package_has_a_sign() -> None:
     lines = (ROOT / "requirements-apt.txt").read_text().splitlines()
     packages = [line for line in lines if not line.startswith("#")]
     assert packages
-    assert all(re.fullmatch(r"[a-z0-9+-]+ +\S+", line) for line in packages)
+    assert all(re.fullmatch(r"[a-z0-9+.-]+ +\S+", line) for line in packages)

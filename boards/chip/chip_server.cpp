@@ -1,0 +1,55 @@
+// The model of the chip as a program, for firmware in the emulator that flies nothing: starts,
+// answers for a time, and says what happened, as JSON.
+//   chip_server SOCKET SECONDS [--line NAME FILE]...
+// A line's file gets the bytes that the firmware sends there.
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <list>
+#include <string>
+#include <string_view>
+
+#include "chip/chip.hpp"
+#include "chip/usart.hpp"
+#include "emulator.hpp"
+
+namespace {
+
+using namespace stator::chip;
+
+constexpr uint32_t kCrystal_hz = 24'000'000;  // of the Pixhawk
+
+int serve(int count, char** words) {
+    Emulator emulator(words[1]);
+    Chip chip(emulator, kCrystal_hz);
+    std::list<std::ofstream> files;
+    for (int i = 3; i + 2 < count; i += 3) {
+        if (std::string_view(words[i]) != "--line") return 2;
+        std::ofstream& file = files.emplace_back(words[i + 2], std::ios::binary);
+        chip.usart(words[i + 1]).watch([&file](uint8_t byte) {
+            file.put(static_cast<char>(byte));
+        });
+    }
+    emulator.serve(chip, static_cast<uint64_t>(std::strtod(words[2], nullptr) * 1e9));
+    std::printf("{\"time_us\": %llu, \"accesses\": %llu, \"core_clock_hz\": %u, \"resets\": %u}\n",
+                static_cast<unsigned long long>(chip.now_ns() / 1000),
+                static_cast<unsigned long long>(emulator.accesses()), chip.clocks().core_hz,
+                emulator.resets());
+    return 0;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+    if (count < 3 || count % 3 != 0) {
+        std::fprintf(stderr, "usage: chip_server SOCKET SECONDS [--line NAME FILE]...\n");
+        return 2;
+    }
+    try {
+        return serve(count, words);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "error: %s\n", error.what());
+        return 1;
+    }
+}

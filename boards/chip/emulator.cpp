@@ -1,0 +1,124 @@
+#include "emulator.hpp"
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+namespace stator::chip {
+
+namespace {
+
+[[noreturn]] void fail(const char* what) {
+    throw std::system_error(errno, std::generic_category(), what);
+}
+
+}  // namespace
+
+Emulator::Emulator(const std::string& path) {
+    sockaddr_un place{};
+    place.sun_family = AF_UNIX;
+    if (path.size() >= sizeof place.sun_path) {
+        errno = ENAMETOOLONG;
+        fail("the socket");
+    }
+    std::ranges::copy(path, place.sun_path);
+    const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (listener < 0) fail("socket");
+    if (bind(listener, reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0) fail("bind");
+    if (listen(listener, 1) != 0) fail("listen");
+    socket_ = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
+    if (socket_ < 0) fail("accept");
+    close(listener);
+}
+
+Emulator::~Emulator() {
+    close(socket_);
+}
+
+bool Emulator::take(void* bytes, size_t count) const {
+    for (;;) {
+        const ssize_t taken = recv(socket_, bytes, count, MSG_WAITALL);
+        if (taken == static_cast<ssize_t>(count)) return true;
+        if (taken >= 0 || errno != EINTR) return false;
+    }
+}
+
+void Emulator::give(const void* bytes, size_t count) const {
+    const auto* from = static_cast<const char*>(bytes);
+    while (count > 0) {
+        const ssize_t given = send(socket_, from, count, MSG_NOSIGNAL);
+        if (given < 0 && errno == EINTR) continue;
+        if (given <= 0) fail("the emulator has ended");
+        from += given;
+        count -= static_cast<size_t>(given);
+    }
+}
+
+void Emulator::fetch(uint32_t address, std::span<uint8_t> bytes) {
+    const auto length = static_cast<uint32_t>(bytes.size());
+    const wire::Reply ask{.kind = wire::ReplyKind::kFetch, .address = address, .length = length};
+    give(&ask, sizeof ask);
+    if (!take(bytes.data(), bytes.size())) fail("the emulator has ended");
+}
+
+void Emulator::store(uint32_t address, std::span<const uint8_t> bytes) {
+    const auto length = static_cast<uint32_t>(bytes.size());
+    const wire::Reply ask{.kind = wire::ReplyKind::kStore, .address = address, .length = length};
+    give(&ask, sizeof ask);
+    give(bytes.data(), bytes.size());
+}
+
+wire::Reply Emulator::answer(Chip& chip, const wire::Request& request) {
+    wire::Reply reply{.kind = wire::ReplyKind::kAnswer};
+    switch (request.kind) {
+        case wire::RequestKind::kRead:
+            ++accesses_;
+            reply.value = chip.read(request.address, request.bytes);
+            break;
+        case wire::RequestKind::kWrite:
+            ++accesses_;
+            chip.write(request.address, request.value, request.bytes);
+            break;
+        case wire::RequestKind::kReset:
+            if (has_started_) {
+                ++resets_;
+                chip.reset();
+            }
+            has_started_ = true;
+            break;
+        case wire::RequestKind::kDue:
+            break;
+    }
+    reply.reset = chip.take_reset_request() ? 1 : 0;
+    reply.levels = chip.levels();
+    reply.core_hz = chip.clocks().core_hz;
+    return reply;
+}
+
+void Emulator::serve(Chip& chip, uint64_t end_ns) {
+    wire::Request request{};
+    while (take(&request, sizeof request)) {
+        wire::Reply reply;
+        try {
+            chip.move(request.now_ns);
+            reply = answer(chip, request);
+        } catch (const Violation&) {
+            const wire::Reply stop{.kind = wire::ReplyKind::kStop, .value = 1};
+            give(&stop, sizeof stop);
+            throw;
+        }
+        if (request.now_ns >= end_ns) {
+            const wire::Reply stop{.kind = wire::ReplyKind::kStop};
+            give(&stop, sizeof stop);
+            return;
+        }
+        reply.next_ns = std::min(chip.visible_ns(), end_ns);
+        give(&reply, sizeof reply);
+    }
+}
+
+}  // namespace stator::chip
