@@ -20,8 +20,8 @@ _RUNTIME = frozenset("std stator now fired params timestamp main step".split())
 # its own header files, and CMake targets.
 _GENERATED = frozenset(
     """tasks topics lines board boards modes apps drivers math dronecan testing messages executor
-    log_table parameter_table streams replay interfaces generated all_slots served_now later
-    nominal_time_us set_pending clear_pending has_unread count_activation lost_samples preempt
+    log_table parameter_table metadata streams replay interfaces generated all_slots served_now
+    later nominal_time_us set_pending clear_pending has_unread count_activation lost_samples preempt
     take_latest release count_refused add_to_counter""".split()
 )
 _SEEN_BY_DRIVERS = frozenset("math dronecan world".split())  # its own namespace would hide them
@@ -37,7 +37,7 @@ _TYPES = frozenset(
     Ending PendingWord Refusal RingEntry Settings SlotState Activation ActivationRing FaultRecord
     FrameReader Kept KeptRecord Link LogEvent LogEvents ModeGate TickSource Transport WatchState
     Watched ParameterPort ParameterRow ParameterRows ParameterTable ParameterTopic
-    ParameterType RefusedPublications""".split()
+    ParameterType Metadata MetadataFile RefusedPublications""".split()
 )
 
 

@@ -14,7 +14,7 @@ import jinja2
 
 from stator import HOME
 from stator.diagnostics import Mark, UserError
-from stator.emit import cortex_m, devices, pthread, recording, rows
+from stator.emit import cortex_m, devices, metadata, pthread, recording, rows
 from stator.emit import parameters as params
 from stator.emit import tasks as emit_tasks
 from stator.names import snake
@@ -56,6 +56,8 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
     table = params.table(plan)
     if table is not None:
         files["parameter_table.cpp"] = _render("parameter_table.cpp.j2", graph, table=table)
+    if metadata.is_read(plan):
+        files["metadata.cpp"] = _render("metadata.cpp.j2", graph, files=metadata.files(plan))
     if plan.graph.modes is not None:
         files["modes.cpp"] = _render("modes.cpp.j2", graph, modes=rows.modes(plan), recorded=record)
     log = rows.log(plan)
@@ -104,6 +106,8 @@ def emit_replay(plan: Plan) -> dict[str, str]:
     if table is not None:
         table = replace(table, topics=[])  # a recording holds samples as bytes
         files["parameter_table.cpp"] = _render("parameter_table.cpp.j2", graph, table=table)
+    if metadata.is_read(plan):
+        files["metadata.cpp"] = _render("metadata.cpp.j2", graph, files=metadata.files(plan))
     files["replay_tasks.hpp"] = _render("replay_tasks.hpp.j2", graph, tasks=tasks)
     for task in tasks:
         files[f"tasks/{task.name}.cpp"] = _render("replay_task.cpp.j2", task.mark, task=task)

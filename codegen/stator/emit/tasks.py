@@ -89,6 +89,7 @@ class TaskRow:
     outputs: list[OutputRow]
     reads_log: bool
     publishes_params: bool
+    reads_metadata: bool
     is_replayed: bool
     keeps_now: bool
     is_gated: bool
@@ -202,6 +203,7 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
         ],
         reads_log=interface.reads_log,
         publishes_params=interface.publishes_params,
+        reads_metadata=interface.reads_metadata,
         is_replayed=device is None and not interface.reads_log,
         keeps_now=keeps_now,
         is_gated=is_gated(plan, planned),

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 # Keys that add a port to the node, and the name of that port.
-GIVEN_PORTS = {"reads_log": "log", "publishes_params": "parameters"}
+GIVEN_PORTS = {"reads_log": "log", "publishes_params": "parameters", "reads_metadata": "metadata"}
 
 
 def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> Interface | None:
@@ -66,6 +66,7 @@ def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> 
         params=params,
         reads_log=record.value("reads_log", False),
         publishes_params=record.value("publishes_params", False),
+        reads_metadata=record.value("reads_metadata", False),
         needs_timer=record.value("needs_timer", False),
         double_precision=record.value("double_precision", ""),
         failsafe=failsafe,

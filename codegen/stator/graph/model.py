@@ -117,6 +117,7 @@ class Interface:
     params: dict[str, Param]
     reads_log: bool
     publishes_params: bool
+    reads_metadata: bool
     needs_timer: bool
     double_precision: str  # why it is needed; empty: it is not used
     failsafe: Failsafe | None

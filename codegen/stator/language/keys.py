@@ -306,6 +306,11 @@ INTERFACE = Struct(
         "publishes_params": Key(
             Boolean(), "true: the node changes and publishes the parameters of all nodes."
         ),
+        "reads_metadata": Key(
+            Boolean(),
+            "true: the node has the files that describe all parameters of the graph, as ground "
+            "stations read them.",
+        ),
         "needs_timer": Key(Boolean(), "true: one of the node's triggers must be `every`."),
         "double_precision": Key(
             Text(r"\S[\s\S]*", "a reason", hint="write why float is not precise enough"),

@@ -35,6 +35,8 @@ set(graph_inputs
     [==[@ROOT@/graph/examples/budgets/desk.yaml]==]
     [==[@ROOT@/graph/examples/messages/Count.yaml]==]
     [==[@ROOT@/graph/examples/param_change.yaml]==]
+    [==[@ROOT@/graph/messages/FilePiece.yaml]==]
+    [==[@ROOT@/graph/messages/FileRequest.yaml]==]
     [==[@ROOT@/graph/messages/NonvolatileStatus.yaml]==]
     [==[@ROOT@/graph/messages/ParameterRequest.yaml]==]
     [==[@ROOT@/graph/messages/ParameterStatus.yaml]==]

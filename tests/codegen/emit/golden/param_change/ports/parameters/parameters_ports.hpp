@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "messages/file_piece.hpp"
+#include "messages/file_request.hpp"
 #include "messages/nonvolatile_status.hpp"
 #include "messages/parameter_request.hpp"
 #include "messages/parameter_status.hpp"
@@ -32,11 +34,14 @@ struct ParametersPorts {
     // Of the memory that keeps them. Without it, changes count until the restart.
     Input<NonvolatileStatus> memory{"memory"};
     Input<RecordKept> kept{"kept"};  // What became of each record to keep. Read in order.
+    // Asks for a piece of the file with all parameters. Read in order.
+    Input<FileRequest> file_request{"file_request"};
     Output<ParameterValue> value{};  // The answer to each.
     // A value to keep: one at a time. The next one follows its result.
     Output<StoredRecord> store{};
     // How many are kept, and how many are not; when that changes.
     Output<ParameterStatus> report{};
+    Output<FilePiece> file{};  // The answer to each piece that was asked for.
     ParameterPort parameters{};
 
     [[gnu::always_inline]] ~ParametersPorts() = default;
