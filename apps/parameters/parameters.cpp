@@ -5,6 +5,7 @@
 #include <bit>
 #include <string_view>
 
+#include "pack.hpp"
 #include "stator/math/bits.hpp"
 #include "validity.hpp"
 
@@ -106,7 +107,14 @@ ParameterValue hash_of(const ParameterPort& parameters) {
 void Parameters::step(ParametersPorts& ports) {
     keeper_.take(ports);
     if (ports.request.next()) answer(ports);
+    if (ports.file_request.next()) read_file(ports);
     keeper_.work(ports);
+}
+
+void Parameters::read_file(ParametersPorts& ports) {
+    const FileRequest& request = *ports.file_request;
+    if (request.file != FileRequest::File::kParameters) return;
+    ports.file.publish([&] { return read_pack(ports.parameters, request); });
 }
 
 void Parameters::answer(ParametersPorts& ports) {

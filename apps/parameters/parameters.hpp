@@ -10,13 +10,14 @@ namespace stator::apps::parameters {
 // parameters of the node whose parameter it is, before the answer. A value that is not of the
 // parameter's type and range changes nothing. Records of an earlier life count as soon as they are
 // loaded, and a change is kept as a record soon after its answer: `report` says when nothing is
-// pending.
+// pending. The file of all parameters that ground stations read at once has them as they count now.
 class Parameters {
   public:
     void step(ParametersPorts& ports);
 
   private:
     void answer(ParametersPorts& ports);
+    void read_file(ParametersPorts& ports);
 
     Keeper keeper_;
 };

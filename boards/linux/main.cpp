@@ -232,6 +232,7 @@ int main(int count, char** arguments) {
     if (!board::take_run_options(count, arguments, run)) return 2;
     if (!world::parse(count, arguments, options)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
+    board::log_storage.offer(options.log);
     if (run.nonvolatile != nullptr && !board::open_nonvolatile(run.nonvolatile)) return 2;
     if (options.mission != nullptr && !board::open_mission(options.mission)) return 2;
     if (!open_mavlink(options)) return 2;

@@ -180,6 +180,7 @@ int main(int count, char** arguments) {
     std::vector<std::uint32_t> budgets;
     if (options.budgets != nullptr && !read_budgets(options.budgets, budgets)) return 2;
     if (!open(options.log, board::log_storage.file) || !open(options.truth, truth)) return 2;
+    board::log_storage.offer(options.log);
     std::FILE* mission = nullptr;
     if (!open(options.mission, mission, "r+b")) return 2;
     if (!open_mavlink(options)) return 2;

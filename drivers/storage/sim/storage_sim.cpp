@@ -6,8 +6,14 @@
 namespace stator::drivers::storage::sim {
 
 void StorageSim::step(StoragePorts& ports) {
-    if (!ports.block || device_.append == nullptr) return;
-    const LogBlock& block = *ports.block;
+    if (ports.block.next()) append(*ports.block);
+    if (!ports.request.next() || ports.request->file != FileRequest::File::kLog) return;
+    ports.piece.publish(
+        [&] { return FilePiece{.tag = ports.request->tag, .result = FilePiece::Result::kAbsent}; });
+}
+
+void StorageSim::append(const LogBlock& block) {
+    if (device_.append == nullptr) return;
     const size_t length = std::min<size_t>(block.length, block.data.size());
     if (!device_.append(block.data.data(), length)) ++device_.errors;
 }

@@ -1,4 +1,5 @@
-// Storage of a simulated board: hands log blocks to the board as they come.
+// Storage of a simulated board: hands log blocks to the board as they come, which cannot be read
+// again.
 #pragma once
 
 #include <cstddef>
@@ -21,6 +22,8 @@ class StorageSim {
     void step(StoragePorts& ports);
 
   private:
+    void append(const LogBlock& block);
+
     Device& device_;
 };
 
