@@ -16,27 +16,6 @@ double degrees_of(int32_t e7) {
     return e7 == INT32_MAX ? math::canonical_nan<double>() : static_cast<double>(e7) * 1e-7;
 }
 
-// We have no files: a refusal at once keeps stations from waiting for an answer.
-mav::FileTransferProtocol refusal_of(const mav::FileTransferProtocol& request, mav::Address to) {
-    constexpr std::size_t kSession = 2;
-    constexpr std::size_t kOpcode = 3;
-    constexpr std::size_t kSize = 4;
-    constexpr std::size_t kAnswers = 5;
-    constexpr std::size_t kData = 12;
-    constexpr uint8_t kRefused = 129;
-    constexpr uint8_t kUnknownCommand = 7;
-    mav::FileTransferProtocol answer{.target_system = to.system, .target_component = to.component};
-    const auto sequence = static_cast<uint16_t>((request.payload[0] | request.payload[1] << 8) + 1);
-    answer.payload[0] = static_cast<uint8_t>(sequence);
-    answer.payload[1] = static_cast<uint8_t>(sequence >> 8);
-    answer.payload[kSession] = request.payload[kSession];
-    answer.payload[kOpcode] = kRefused;
-    answer.payload[kSize] = 1;
-    answer.payload[kAnswers] = request.payload[kOpcode];
-    answer.payload[kData] = kUnknownCommand;
-    return answer;
-}
-
 }  // namespace
 
 void Mavlink::configure(const MavlinkParams& params) {
@@ -131,19 +110,10 @@ void Mavlink::handle(unsigned number, const mav::Frame& frame, MavlinkPorts& por
                                    .z = 0.0F},
                                   ports);
         }
-        case mav::FileTransferProtocol::kId: {
-            const auto request = mav::decode<mav::FileTransferProtocol>(frame.payload);
-            if (is_for_us(request)) link(number).send(refusal_of(request, frame.source));
-            return;
-        }
-        case mav::LogRequestList::kId: {
-            const auto request = mav::decode<mav::LogRequestList>(frame.payload);
-            if (is_for_us(request)) link(number).send(mav::LogEntry{});  // none of none
-            return;
-        }
         default:
             if (control_.handle(number, frame, own_, telemetry_, ports)) return;
             if (plans_.handle(link(number), number, frame, ports)) return;
+            if (files_.handle(link(number), number, frame, ports.now)) return;
             parameters_.handle(link(number), number, frame, ports);
             return;
     }
@@ -211,6 +181,7 @@ void Mavlink::step(MavlinkPorts& ports) {
     control_.publish(ports);
     plans_.step(lines_, ports);
     parameters_.step(lines_, ports);
+    files_.step(lines_, ports);
     tell_reached(ports);
     for (unsigned i = 0; i < kLinks; ++i) {
         if (link(i).is_open()) tell_due(i, ports);

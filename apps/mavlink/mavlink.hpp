@@ -4,6 +4,7 @@
 #include <array>
 
 #include "control.hpp"
+#include "files.hpp"
 #include "link.hpp"
 #include "mavlink_ports.hpp"
 #include "mission_transfer.hpp"
@@ -83,6 +84,7 @@ class Mavlink {
     Control control_;
     MissionTransfer plans_;
     ParameterTransfer parameters_;
+    Files files_;
     mav::Address own_{1, kComponent};
     Pending pending_;
     int32_t reached_ = -1;  // the item that was told last

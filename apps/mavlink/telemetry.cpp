@@ -2,6 +2,7 @@
 #include "telemetry.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 #include "flight_modes.hpp"
 #include "stator/rotation.hpp"
@@ -16,7 +17,8 @@ using Nav = VehicleStatus::NavState;
 constexpr float kDegree = math::kPi<float> / 180.0F;
 constexpr float kNan = math::canonical_nan<float>();
 constexpr uint16_t kUnknown16 = UINT16_MAX;
-constexpr double kStandardPressure = 101325.0;  // Pa
+constexpr std::string_view kGeneralUri = "mftp://etc/general.json";  // as file_source.hpp has it
+constexpr double kStandardPressure = 101325.0;                       // Pa
 
 bool is_armed(const MavlinkPorts& ports) {
     return ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
@@ -436,9 +438,16 @@ Told Telemetry::tell(uint32_t id, Link& link, const MavlinkPorts& ports) const {
                                             can::kParamEncodeBytewise | can::kMissionFence |
                                             can::kMissionRally | can::kSetAttitudeTarget |
                                             can::kSetPositionTargetLocalNed |
-                                            can::kSetPositionTargetGlobalInt,
+                                            can::kSetPositionTargetGlobalInt | can::kFtp,
                             .uid = 1,
                             .flight_sw_version = 0x010000FF});
+        }
+        case mav::ComponentMetadata::kId: {
+            if (ports.metadata == nullptr) return Told::kUnknown;
+            mav::ComponentMetadata message{.time_boot_ms = static_cast<uint32_t>(ports.now / 1000),
+                                           .file_crc = ports.metadata->general.crc};
+            std::ranges::copy(kGeneralUri, message.uri.begin());
+            return sent(link, message);
         }
         default:
             return tell_status(id, link, ports);

@@ -166,7 +166,9 @@ class MavlinkTest : public ::testing::Test {
                            .ack = ack_ ? Input(*ack_) : Input<VehicleCommandAck>(),
                            .downloaded = item_ ? Input(*item_) : Input<MissionItem>(),
                            .parameter = parameter_ ? Input(*parameter_) : Input<ParameterValue>(),
-                           .params = Input(params_, is_first_)};
+                           .parameter_file = piece_ ? Input(*piece_) : Input<FilePiece>(),
+                           .params = Input(params_, is_first_),
+                           .metadata = &metadata_};
         Everything<SerialBytes> first(ports.send1, now_us_, Link::kPieces);
         Everything<SerialBytes> second(ports.send2, now_us_, Link::kPieces);
         Everything<VehicleCommand> commands(ports.command, now_us_, 1);
@@ -177,6 +179,7 @@ class MavlinkTest : public ::testing::Test {
         Everything<OffboardSetpoint> setpoints(ports.offboard, now_us_, 1);
         Everything<StationHeartbeat> beats(ports.station, now_us_, 1);
         Everything<RestartRequest> restarts(ports.restart, now_us_, 1);
+        Everything<FileRequest> wanted_pieces(ports.file_request, now_us_, 1);
         node_.step(ports);
         EXPECT_EQ(ports.restart.refused(), 0);
         restarts_ += restarts.all().size();
@@ -188,6 +191,7 @@ class MavlinkTest : public ::testing::Test {
         ack_.reset();
         item_.reset();
         parameter_.reset();
+        piece_.reset();
         is_mission_new_ = false;
         EXPECT_EQ(ports.upload.refused() + ports.download.refused(), 0);
         EXPECT_EQ(ports.send1.refused() + ports.send2.refused() + ports.command.refused(), 0);
@@ -195,6 +199,8 @@ class MavlinkTest : public ::testing::Test {
         hear(stations_[1], second.all());
         EXPECT_EQ(ports.parameter_request.refused(), 0);
         for (const ParameterRequest& question : questions.all()) answer(question);
+        EXPECT_EQ(ports.file_request.refused(), 0);
+        for (const FileRequest& wanted : wanted_pieces.all()) answer(wanted);
         keep(uploads.all());
         for (const MissionRequest& wanted : downloads.all()) answer(wanted);
         for (const VehicleCommand& command : commands.all()) {
@@ -277,6 +283,26 @@ class MavlinkTest : public ::testing::Test {
         parameter_ = value;
     }
 
+    // As the nodes with files do.
+    void answer(const FileRequest& wanted) {
+        ++pieces_;
+        const bool is_log = wanted.file == FileRequest::File::kLog;
+        if (is_log && !reads_logs_) return;
+        FilePiece piece{.tag = wanted.tag, .result = FilePiece::Result::kAbsent};
+        if (is_log) piece.logs = static_cast<uint16_t>(logs_.size());
+        if (!is_log || wanted.log < logs_.size()) {
+            const std::vector<uint8_t>& file = is_log ? logs_[wanted.log] : pack_;
+            piece.result = FilePiece::Result::kRead;
+            piece.bytes = static_cast<uint32_t>(file.size());
+            piece.version = version_;
+            for (std::size_t i = wanted.offset; i < file.size() && piece.length < wanted.length;
+                 ++i) {
+                piece.data[piece.length++] = file[i];
+            }
+        }
+        piece_ = piece;
+    }
+
     void answer(const MissionRequest& wanted) {
         const auto list = static_cast<unsigned>(wanted.list);
         ++device_reads_;
@@ -356,6 +382,16 @@ class MavlinkTest : public ::testing::Test {
     std::optional<ParameterValue> parameter_;
     unsigned questions_ = 0;
     bool knows_parameters_ = true;
+    std::vector<uint8_t> pack_;  // the file of all parameters
+    uint32_t version_ = 1;       // of what is in it
+    std::vector<std::vector<uint8_t>> logs_;
+    bool reads_logs_ = true;
+    unsigned pieces_ = 0;  // that were asked for
+    std::optional<FilePiece> piece_;
+    static constexpr std::array<uint8_t, 4> kGeneral{'g', 'e', 'n', 'e'};
+    static constexpr std::array<uint8_t, 500> kDescribed{1, 2, 3};
+    const Metadata metadata_{{kGeneral.data(), kGeneral.size(), 0x1234},
+                             {kDescribed.data(), kDescribed.size(), 0x5678}};
     std::array<std::vector<MissionItem>, 3> lists_;  // of the mission device
     std::vector<MissionItem> new_items_;
     std::size_t expected_ = 0;

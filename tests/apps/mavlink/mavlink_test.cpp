@@ -252,22 +252,6 @@ TEST_F(MavlinkTest, AnswersPingAndTimesync) {
     EXPECT_EQ(heard<mav::Timesync>()[0].tc1, 1'010'000'000);
 }
 
-TEST_F(MavlinkTest, FilesAndLogsAreRefusedAtOnce) {
-    mav::FileTransferProtocol request{.target_system = 1, .target_component = 1};
-    request.payload = {0xFF, 0x01, 42, 4};  // opens a file, in session 42
-    send(request);
-    send(mav::LogRequestList{.end = 0xFFFF, .target_system = 1, .target_component = 1});
-    run(0.1);
-    const auto answers = heard<mav::FileTransferProtocol>();
-    ASSERT_EQ(answers.size(), 1U);
-    EXPECT_EQ(answers[0].target_system, kGround.system);
-    const std::array<uint8_t, 7> head{0x00, 0x02, 42, 129, 1, 4, 0};
-    EXPECT_TRUE(std::equal(head.begin(), head.end(), answers[0].payload.begin()));
-    EXPECT_EQ(answers[0].payload[12], 7);
-    ASSERT_EQ(heard<mav::LogEntry>().size(), 1U);
-    EXPECT_EQ(heard<mav::LogEntry>()[0].num_logs, 0);
-}
-
 // 57600 baud carry 5,760 bytes a second; what is wanted is more.
 TEST_F(MavlinkTest, ASlowLineIsNeverAskedForMoreThanItCarries) {
     line_.bytes_per_s = 5760;

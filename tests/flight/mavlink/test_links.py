@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from pymavlink.generator.mavcrc import x25crc
 from pyulog import ULog
+from tests.flight.mavlink.logs import LogReader
 from tests.flight.mavlink.relay import Link, relay
 from tests.flight.mavlink.vehicle import (
     HANGS_S,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 BAD = Link(lost=0.1, garbage=0.05, flipped=0.02, twice=0.05)
 RELATIVE = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
+LOG_BYTES = 9216
 AGAIN_S = 0.15  # of wall time, until a client asks again
 
 
@@ -131,7 +133,13 @@ def test_a_bad_link_loses_nothing(tmp_path: Path) -> None:
         assert [(i.frame, i.command, i.x, i.y, i.z) for i in back] == [
             (item[0], item[1], item[6], item[7], item[8]) for item in items
         ]
+        begin_s = station.now_s()
+        logs = LogReader(station)
+        assert list(logs.entries()) == [0]
+        part = logs.read(0, LOG_BYTES)
+        assert station.now_s() - begin_s < 20.0
         station.close()
+    assert part == (tmp_path / "bad.ulg").read_bytes()[:LOG_BYTES]
     assert facts["success"], facts["reason"]
     assert facts["refused_publications"] == 0
 
