@@ -31,6 +31,7 @@ RULES = {
     "include-cycle": "includes form a cycle",
     "include-many": "more includes than the limit",
     "include-conflict": "two includes differ on a key",
+    "include-null": "null removes a key that no included file has",
     "variable-unknown": "a variable ${name} has no value",
     "variable-unused": "the included file does not use a value of `with`",
     # apps, messages, boards, devices

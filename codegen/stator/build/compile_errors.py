@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from stator import HOME
+from stator.build.walls import ROOMS as NODE_ROOMS
 from stator.diagnostics import Mark, shown_path, source_line
 
 MAX_SHOWN = 10
@@ -20,6 +21,10 @@ _AROUND = re.compile(r"^(In file included from |\s+from |\S.*: (In|At) |ninja: |
 _OWN_TEXT = re.compile(r"declared with attribute error: (.*)$|static assertion failed: (.*)$")
 # A text that names the user's file: emit/templates/task.cpp.j2.
 _NAMED = re.compile(r"(?P<file>(?:apps|drivers)/\S+\.hpp): (?P<text>.*)")
+# A name that a header of the runtime declares, and the code does not include.
+_UNKNOWN = re.compile(
+    r"^'(?:[\w:]+::)?(\w+)' (?:was not declared in this scope|is not a member of 'stator\b)"
+)
 # What users do not write.
 _OURS = (HOME / "runtime", HOME / "build", HOME / "boards")
 
@@ -107,4 +112,22 @@ def _shown(error: _Found) -> str:
     if named is not None:
         return f"{named['file']}: error: {named['text']}"
     head = f"{shown_path(mark.file)}:{mark.line}:{mark.column}: error: {error.text}"
-    return "\n".join([head, *error.below]).rstrip()
+    return "\n".join([head, *error.below, *_header_hint(error.text)]).rstrip()
+
+
+def _header_hint(text: str) -> list[str]:
+    """What to include for a name of the runtime."""
+    unknown = _UNKNOWN.match(text)
+    if unknown is None:
+        return []
+    words = r"^(?:template <[^>]*> |[\w:<>]+ )+"
+    declared = re.compile(rf"{words}{unknown[1]}\b[ ({{:]", re.MULTILINE)
+    for room in NODE_ROOMS:
+        folder = HOME / "runtime" / room / "stator"
+        for header in sorted(folder.rglob("*.hpp")):
+            if not declared.search(header.read_text(encoding="utf-8")):
+                continue
+            if header.parent != folder or header.name == "scalar.hpp":  # which includes the parts
+                return [f'hint: stator::math::{unknown[1]} is in "stator/scalar.hpp"']
+            return [f'hint: #include "stator/{header.name}"']
+    return []

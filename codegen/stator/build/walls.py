@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from stator import HOME
 from stator.build.cpp_scan import Source
-from stator.diagnostics import ANSWER_IS_NO, Error, Mark
+from stator.diagnostics import ANSWER_IS_NO, Error, Mark, nearest
 from stator.names import upper_camel
 
 if TYPE_CHECKING:
@@ -227,16 +227,32 @@ class Walls:
                     f"add a port with this message to the interface; {sees}",
                 )
         elif name.startswith("stator/"):
-            if not any((HOME / "runtime" / room / name).is_file() for room in ROOMS):
-                self._error(include.mark, f"{_a(kind)} cannot include {_runtime(name)}", sees)
+            if any((HOME / "runtime" / room / name).is_file() for room in ROOMS):
+                return
+            if not _room_of_runtime(name):
+                self._missing(include, node)
+                return
+            shown = f"'{name}' of runtime/{_room_of_runtime(name)}"
+            self._error(include.mark, f"{_a(kind)} cannot include {shown}", sees)
         elif name.startswith(("Eigen/", "dronecan/", "mavlink/")) or name in _names_in(node.ports):
             pass
         elif include.is_quoted or ".." in Path(name).parts:
-            self._error(include.mark, f"{_a(kind)} cannot include '{name}'", sees)
+            self._missing(include, node)
         elif name in PRINTING and self._may_print:
             pass
         elif kind == "app" and name not in STANDARD:
             self._error(include.mark, *_refusal(name))
+
+    def _missing(self, include: Include, node: Node) -> None:
+        known = _names_in(node.folder) | _names_in(node.ports)
+        for room in ROOMS:
+            known |= {f"stator/{name}" for name in _names_in(HOME / "runtime" / room / "stator")}
+        self._error(
+            include.mark,
+            f"the folder of this {node.kind}, its ports and the runtime have no header "
+            f"'{include.name}'",
+            nearest(include.name, known),
+        )
 
     def _error(self, mark: Mark, message: str, hint: str) -> None:
         self.errors.append(Error(mark, "wall", message, hint))
@@ -266,9 +282,8 @@ def _named(room: Room, include: Include) -> str:
     return f"'{include.name}'" + (f" of {room.name}" if room.kind else "")
 
 
-def _runtime(name: str) -> str:
-    room = next((r.name for r in sorted((HOME / "runtime").iterdir()) if (r / name).is_file()), "")
-    return f"'{name}'" + (f" of runtime/{room}" if room else "")
+def _room_of_runtime(name: str) -> str:
+    return next((r.name for r in sorted((HOME / "runtime").iterdir()) if (r / name).is_file()), "")
 
 
 def _a(kind: str) -> str:

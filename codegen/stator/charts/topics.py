@@ -155,6 +155,8 @@ def _paint(axes: Axes, log: ULog, quantity: Quantity, number: int, logs: list[Pa
         values = np.asarray(data[column], dtype=float)
         if np.isnan(values).all() and not alone:
             continue  # such as motors that the vehicle does not have
+        if np.isnan(values).all():
+            axes.text(0.5, 0.5, "not a number throughout", transform=axes.transAxes, ha="center")
         label = column if not alone else ""
         if len(logs) > 1:
             label = f"{'AB'[number]}{' ' if label else ''}{label}"

@@ -12,18 +12,20 @@ import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stator.build.cmake import DEBUG, build
-from stator.diagnostics import UserError, nearest, shown_path
+from stator.build.cmake import DEBUG, PREEMPTION, build
+from stator.diagnostics import UserError, nearest, shown_argument, shown_path
 from stator.emit import devices
 from stator.flight.arguments import (
     add_flight_arguments,
+    add_times_argument,
     complete,
     flight_options,
     memory_of,
     params_of,
     place_options,
+    times_of,
 )
-from stator.flight.kept import log_of
+from stator.flight.kept import flights_of, log_of
 from stator.flight.params import add_param_argument
 from stator.pipeline import make_plan
 from stator.processes import environment
@@ -49,6 +51,7 @@ class Stop(NamedTuple):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_flight_arguments(parser, board="sitl", what="a board with a simulated world")
     add_param_argument(parser)
+    add_times_argument(parser)
     parser.add_argument(
         "--node", help="stop where this node steps (default: the node that crashed last time)"
     )
@@ -78,7 +81,8 @@ def main(arguments: argparse.Namespace) -> int:
             "error: missing program 'gdb'\n"
             "hint: install it with ./stator setup, or add --print for another debugger"
         )
-    program = build(arguments.graph, arguments.board, DEBUG, executor="virtual")
+    variant = DEBUG if arguments.times == "zero" else DEBUG | PREEMPTION
+    program = build(arguments.graph, arguments.board, variant, executor="virtual")
     log = flown.with_name(f"{flown.name.removesuffix('.ulg')}.debug.ulg")
     with _command(program, log, arguments, mission) as command:
         if gdb is None or arguments.only_print:
@@ -116,7 +120,7 @@ def _run(command: list[str]) -> int:
 def _command(
     program: Path, log: Path, arguments: argparse.Namespace, mission: Mission | None
 ) -> Iterator[list[str]]:
-    command = [str(program), "--log", str(log), *flight_options(arguments)]
+    command = [str(program), "--log", str(log), *flight_options(arguments), *times_of(arguments)]
     with memory_of(mission) as memory:
         if memory is not None:
             if arguments.only_print:  # as the other one is removed
@@ -125,14 +129,31 @@ def _command(
         yield command
 
 
-def _crash(log: Path) -> dict[str, Any]:
-    """How the last flight of this log crashed; empty if it did not."""
+def _report(log: Path) -> dict[str, Any]:
+    """The facts beside a log; empty if there are none."""
     try:
         facts = json.loads(log.with_name(f"{log.name.removesuffix('.ulg')}.json").read_text())
     except (OSError, ValueError):
         return {}
-    crash = facts.get("crash")
+    return facts if isinstance(facts, dict) else {}
+
+
+def _crash(log: Path) -> dict[str, Any]:
+    """How the last flight of this log crashed; empty if it did not."""
+    crash = _report(log).get("crash")
     return crash if isinstance(crash, dict) else {}
+
+
+def _last_crash(graph: Path) -> str:
+    """What to type for the last flight of this graph that crashed, with other options than these;
+    empty if none is known."""
+    for log in flights_of(graph):
+        crash = _crash(log)
+        if crash.get("node"):
+            options = shlex.join(_report(log).get("options", []))
+            command = f"./stator debug {shown_argument(graph)} {options}".rstrip()
+            return f"'{crash['node']}' crashed in another flight: {command}"
+    return ""
 
 
 def _place(
@@ -142,7 +163,7 @@ def _place(
     if name is None:
         raise UserError(
             "error: missing option --node: no crash of such a flight is known\n"
-            f"hint: {nearest('', plan.graph.nodes)}"
+            f"hint: {_last_crash(arguments.graph) or nearest('', plan.graph.nodes)}"
         )
     node = plan.graph.nodes.get(name)
     if node is None:

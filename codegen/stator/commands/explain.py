@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from fractions import Fraction
 
-    from stator.graph.model import Chain, Node
+    from stator.graph.model import Chain, Message, Node
     from stator.plan.plan import Plan, Task
     from stator.plan.topics import TopicPlan
 
@@ -36,7 +36,7 @@ WAYS = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_graph_arguments(parser)
-    parser.add_argument("node", help="node, topic or chain of the graph")
+    parser.add_argument("node", help="node, topic, message or chain of the graph")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -44,8 +44,10 @@ def main(arguments: argparse.Namespace) -> int:
     lines = explain(plan, arguments.node)
     if lines is None:
         known = [*plan.graph.nodes, *plan.topics, *(chain.name for chain in plan.graph.chains)]
+        known += sorted({topic.message.name for topic in plan.topics.values()})
         raise UserError(
-            f"error: unknown node, topic or chain '{arguments.node}' of {plan.graph.name}\n"
+            f"error: unknown node, topic, message or chain '{arguments.node}' of "
+            f"{plan.graph.name}\n"
             f"hint: {nearest(arguments.node, known)}"
         )
     print(in_place("\n".join(lines)))
@@ -53,14 +55,22 @@ def main(arguments: argparse.Namespace) -> int:
 
 
 def explain(plan: Plan, name: str) -> list[str] | None:
-    """Lines about a node, a topic or a chain; None if the graph has none of this name."""
+    """Lines about a node, a topic, a message or a chain; None if the graph has none of this
+    name."""
     if name in plan.graph.nodes:
         task = plan.task(name)
         rows = [*_runs(plan, task), *_ports(plan, task.node), *_params(task.node)]
         return _text(f"{name}: {task.node.interface.doc}", rows)
     if name in plan.topics:
         topic = plan.topics[name]
-        return _text(f"{name}: {topic.message.doc}", _topic(plan, topic))
+        rows = [*_topic(plan, topic), *_fields(topic.message)]
+        return _text(f"{name}: {topic.message.doc}", rows)
+    carrying = [topic for topic in plan.topics.values() if topic.message.name == name]
+    if carrying:
+        message = carrying[0].message
+        topics = ", ".join(topic.name for topic in carrying)
+        rows = [("topics", topics), ("size", f"{message.bytes} bytes"), *_fields(message)]
+        return _text(f"{name}: {message.doc}", rows)
     for chain in plan.graph.chains:
         if chain.name == name:
             return _text(f"{name}: a chain of {len(chain.path)} nodes", _chain(plan, chain))
@@ -178,6 +188,20 @@ def _topic(plan: Plan, topic: TopicPlan) -> list[Row]:
         ("publishing", guard),
         ("log", log),
     ]
+
+
+def _fields(message: Message) -> list[Row]:
+    rows = []
+    for field in message.fields:
+        if field.name.startswith("_padding"):
+            continue
+        count = f"[{field.count}]" if field.count is not None else ""
+        unit = f", {field.unit}" if field.unit not in ("", "1") else ""
+        frame = f", frame {field.frame}" if field.frame else ""
+        values = ", ".join(f"{name} {value}" for name, value in field.values)
+        doc = f"{field.doc} {values}" if values else field.doc
+        rows.append((f"field {field.name}", f"{field.type}{count}{unit}{frame}: {doc}"))
+    return rows
 
 
 def _text(title: str, rows: list[Row]) -> list[str]:

@@ -12,6 +12,7 @@ from stator.build.cmake import PREEMPTION, SANITIZE, build
 from stator.diagnostics import ANSWER_IS_NO, SIGNALLED, UserError
 from stator.flight.arguments import (
     add_flight_arguments,
+    add_times_argument,
     complete,
     cut_of,
     failures_of,
@@ -28,6 +29,7 @@ from stator.flight.arguments import (
     setting_of,
     speed_of,
     times_of,
+    words_of,
 )
 from stator.flight.facts import NOT_WHOLE, alone, facts_of, keep, mission_facts
 from stator.flight.kept import keeping, kept_facts, log_of
@@ -53,13 +55,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_flight_arguments(parser, board="sitl", what="a board with a simulated world")
     add_param_argument(parser)
-    parser.add_argument(
-        "--times",
-        choices=["zero", "budget", "random"],
-        default="zero",
-        help="execution times of activations; with budget or random, tasks preempt others "
-        "(default: zero)",
-    )
+    add_times_argument(parser)
     parser.add_argument(
         "--sanitize",
         action="store_true",
@@ -121,6 +117,7 @@ def main(arguments: argparse.Namespace) -> int:
     facts |= param_facts(params) | failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())
+    facts["options"] = words_of(arguments)
     facts["sanitized"] = arguments.sanitize
     facts |= {"wind_m_s": arguments.wind, "wind_from_deg": arguments.wind_from}
     keep(facts)

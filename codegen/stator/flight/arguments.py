@@ -37,6 +37,7 @@ MAX_SEED = 2**64 - 1
 MAX_DURATION_S = 1e6
 MAX_SPEED = 1e4
 USUAL_DURATION_S = 120.0
+USUAL_SEED = 1
 ENDLESS_S = 600.0  # of a mission that has no end
 MAX_WIND_M_S = 50.0
 MAX_DEGREES = 360.0
@@ -68,7 +69,8 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
     parser.add_argument(
         "--no-record",
         action="store_true",
-        help="write no recording for ./stator replay: the log is smaller, and the flight faster",
+        help="write no recording for ./stator replay: the log is smaller, and the flight faster; "
+        "built apart",
     )
     add_verbose_argument(parser)
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
@@ -81,12 +83,22 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
     _add_world_arguments(parser)
 
 
+def add_times_argument(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--times",
+        choices=["zero", "budget", "random"],
+        default="zero",
+        help="execution times of activations; with budget or random, tasks preempt others "
+        "(default: zero)",
+    )
+
+
 def _add_world_arguments(parser: argparse.ArgumentParser) -> None:
     world = parser.add_argument_group("the simulated world")
     world.add_argument(
         "--seed",
         type=seed_of,
-        default=1,
+        default=USUAL_SEED,
         help="seed of the start position, the sensors and their noise (default: 1)",
     )
     world.add_argument(
@@ -212,6 +224,23 @@ def flight_options(arguments: argparse.Namespace) -> list[str]:
     if arguments.pilot is not None:
         options += ["--pilot", str(arguments.pilot.resolve())]
     return options
+
+
+def words_of(arguments: argparse.Namespace) -> list[str]:
+    """The words of the command line that make this flight what it is, behind the graph."""
+    words = [] if arguments.board == "sitl" else ["--board", arguments.board]
+    words += ["--mission", shown_path(arguments.mission)] if arguments.mission else []
+    words += ["--duration", f"{arguments.duration:g}"] if arguments.is_limited else []
+    words += ["--seed", str(arguments.seed)] if arguments.seed != USUAL_SEED else []
+    words += ["--vary"] if arguments.vary else []
+    words += ["--wind", f"{arguments.wind:g}"] if arguments.wind else []
+    words += ["--wind-from", f"{arguments.wind_from:g}"] if arguments.wind_from else []
+    words += ["--gusts", arguments.gusts] if arguments.gusts != "none" else []
+    words += [word for text in arguments.fail for word in ("--fail", text)]
+    words += ["--pilot", shown_path(arguments.pilot)] if arguments.pilot else []
+    words += [word for text in arguments.param for word in ("--param", text)]
+    words += ["--times", arguments.times] if arguments.times != "zero" else []
+    return words
 
 
 def params_of(arguments: argparse.Namespace) -> list[Replaced]:

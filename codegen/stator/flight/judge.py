@@ -96,13 +96,15 @@ def judge(flight: Flight, limits: Limits = CALM) -> Judgement:
     if not np.isfinite(flight.truth.position).all():
         left = Problem("the state of the simulated vehicle is not finite")
         return Judgement(None, None, [left])
+    broken = attitude_problems(flight)
     if flight.take_off_s is None:
-        return Judgement(None, None, [at_end(flight, f"no take-off: {ending(flight)}")])
+        left = at_end(flight, f"no take-off: {ending(flight)}")
+        return Judgement(None, None, [*broken, left])
     hover = _hover(flight)
-    tilt = _tilt(flight)
+    tilt = None if broken else _tilt(flight)
     problems = [
         *_hover_problems(hover, limits),
-        *_tilt_problems(tilt, limits.tilt_error_deg),
+        *(broken or _tilt_problems(tilt, limits.tilt_error_deg)),
         *landing_problems(flight, limits.touchdown_m_s),
     ]
     return Judgement(hover, tilt, problems)
@@ -154,6 +156,15 @@ def _hover_problems(hover: Hover | None, limits: Limits) -> list[Problem]:
 
 
 # --- tilt ---
+
+
+def attitude_problems(flight: Flight) -> list[Problem]:
+    """An estimate that is not a number; everything that reads it follows."""
+    broken = np.flatnonzero(~np.isfinite(flight.attitude_q).all(axis=1))
+    if broken.size == 0:
+        return []
+    time_s = float(flight.attitude_time_s[broken[0]])
+    return [Problem(f"vehicle_attitude.q is not a number at {time_s:.2f} s", time_s)]
 
 
 def _tilt(flight: Flight) -> Tilt | None:

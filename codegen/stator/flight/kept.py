@@ -33,6 +33,14 @@ def default_log(graph: Path, seed: int, kind: str = "") -> Path:
     return folder / f"{short_name(graph.resolve())}-seed{seed}{kind}.ulg"
 
 
+def flights_of(graph: Path) -> list[Path]:
+    """The default logs of a graph, the newest first."""
+    usual = default_log(graph, 0)
+    name = usual.name.removesuffix("0.ulg")
+    logs = usual.parent.glob(f"{_escaped(name)}*.ulg")
+    return sorted(logs, key=lambda log: log.stat().st_mtime, reverse=True)
+
+
 def log_of(arguments: argparse.Namespace, params: list[Replaced], kind: str = "") -> Path:
     """The given log, or one whose name says how the flight differs from a plain one."""
     if arguments.output is not None:

@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stator.flight import log as flight_log
-from stator.flight.judge import Problem, at_end, ending, landing_problems, place, rms
+from stator.flight.judge import (
+    Problem,
+    at_end,
+    attitude_problems,
+    ending,
+    landing_problems,
+    place,
+    rms,
+)
 from stator.flight.log import ARMED, FAILSAFE_EVENTS, MODES, NAV_STATES, in_flight, newest
 from stator.graph.messages import own_field
 from stator.mission.commands import EIGHT, FLOWN, LANDINGS, RETURN, TAKEOFFS
@@ -81,6 +89,7 @@ class MissionFlight:
 
 def judge_mission(log: ULog, flight: Flight, mission: Mission) -> MissionFlight:
     result = MissionFlight()
+    result.problems += attitude_problems(flight)
     limits = USUAL_LIMITS | mission.limits
     status = flight_log.topic(log, "vehicle_status")
     result.facts |= {"modes": modes_of(status), "limits": limits}

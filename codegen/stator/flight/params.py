@@ -50,7 +50,8 @@ def add_param_argument(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NODE.PARAMETER=VALUE",
         help="another value of a parameter than the graph's, with its unit, such as "
-        "rate_control.roll_p=0.1 or 'vibration.window=2 s'; use it once for each parameter",
+        "rate_control.roll_p=0.1 or 'rate_control.derivative_cutoff=40 Hz'; use it once for each "
+        "parameter",
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 from stator.diagnostics import UserError, in_place, shown_argument, shown_path
@@ -173,17 +174,19 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
 
 
 def _crash_rows(crash: dict[str, object], facts: dict[str, object]) -> list[tuple[str, str]]:
+    options = facts.get("options", [])  # of a simulated flight
+    assert isinstance(options, list)
     graph = shown_argument(Path(str(facts["graph_file"])))
+    flight = f"{graph} {shlex.join(options)}".rstrip()
     rows = []
     if crash["input"]:
         rows.append(("hint", f"test it before it is read: if (!ports.{crash['input']}) return;"))
     if crash["node"]:
         where = f"--node {crash['node']} --at {crash['at_s']:.6f}"
-        debug = f"./stator debug {graph} {where}"
-        rows.append(("next", f"stop there in a debugger, with the same options: {debug}"))
+        rows.append(("next", f"stop there in a debugger: ./stator debug {flight} {where}"))
     if not crash["input"] and crash["signal"] != "ENDLESS" and not facts.get("sanitized"):
-        again = f"./stator fly {graph} --sanitize"
-        rows.append(("next", f"let sanitizers find the cause, with the same options: {again}"))
+        again = f"./stator fly {flight} --sanitize"
+        rows.append(("next", f"let sanitizers find the cause: {again}"))
     return rows
 
 

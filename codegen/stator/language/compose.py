@@ -56,7 +56,7 @@ class Composer:
                 self.is_complete = False
             else:
                 base = part if base is None else self._join(base, part, own)
-        return own if base is None else _override(base, own, ())
+        return own if base is None else self._override(base, own, ())
 
     def _load(self, path: Path) -> Tree | None:
         """Reads each file once, even if it is included several times."""
@@ -185,6 +185,33 @@ class Composer:
                 self._refuse_conflict(key, first.keys[key], second.keys[key])
         return Mapping(entries, first.mark, keys, first.owner)
 
+    def _override(self, base: Mapping, own: Mapping, path: tuple[str, ...]) -> Mapping:
+        entries, keys = dict(base.entries), dict(base.keys)
+        for key, item in own.entries.items():
+            old = entries.get(key)
+            if isinstance(item, Scalar) and item.is_null:
+                if old is not None:
+                    del entries[key], keys[key]
+                    continue
+                if item.text and self.is_complete:
+                    self._refuse_null(own.keys[key], key, base)
+                    continue
+            if isinstance(old, Scalar) and isinstance(item, Mapping) and _is_input(path):
+                # `gyro: sensor_gyro` is short for `gyro: {topic: sensor_gyro}`.
+                old = Mapping({"topic": old}, old.mark, {"topic": old.mark}, keys[key])
+            if isinstance(old, Mapping) and isinstance(item, Mapping):
+                item = self._override(old, item, (*path, key))
+            entries[key], keys[key] = item, own.keys[key]
+        return Mapping(entries, own.mark, keys, own.owner)
+
+    def _refuse_null(self, mark: Mark, key: str, base: Mapping) -> None:
+        self.report.error(
+            mark,
+            "include-null",
+            f"null removes a key of an included file, and none has '{key[:60]}' here",
+            self.report.nearest(key, base.entries),
+        )
+
     def _refuse_conflict(self, key: str, first: Mark, second: Mark) -> None:
         hint = f"other value: {beside(second, first)}; write the key in the including file"
         if first.file == second.file:
@@ -224,22 +251,6 @@ def _without(tree: Mapping, key: str) -> Mapping:
     entries = {k: v for k, v in tree.entries.items() if k != key}
     keys = {k: v for k, v in tree.keys.items() if k != key}
     return Mapping(entries, tree.mark, keys, tree.owner)
-
-
-def _override(base: Mapping, own: Mapping, path: tuple[str, ...]) -> Mapping:
-    entries, keys = dict(base.entries), dict(base.keys)
-    for key, item in own.entries.items():
-        old = entries.get(key)
-        if isinstance(item, Scalar) and item.is_null and old is not None:
-            del entries[key], keys[key]
-            continue
-        if isinstance(old, Scalar) and isinstance(item, Mapping) and _is_input(path):
-            # `gyro: sensor_gyro` is short for `gyro: {topic: sensor_gyro}`.
-            old = Mapping({"topic": old}, old.mark, {"topic": old.mark}, keys[key])
-        if isinstance(old, Mapping) and isinstance(item, Mapping):
-            item = _override(old, item, (*path, key))
-        entries[key], keys[key] = item, own.keys[key]
-    return Mapping(entries, own.mark, keys, own.owner)
 
 
 def _is_input(path: tuple[str, ...]) -> bool:

@@ -7,6 +7,7 @@
 #ifdef __linux__
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #endif
 
 namespace stator {
@@ -20,8 +21,16 @@ inline thread_local const char* absent_input = nullptr;
 // Prints the input and aborts.
 [[noreturn, gnu::cold, gnu::noinline]] inline void fail_absent(const char* input) {
     absent_input = input;
-    std::fprintf(stderr, "stator: read the absent input '%s'; test it first: if (ports.%s) ...\n",
-                 input, input);
+    if (std::strcmp(input, "params") == 0) {  // every graph has them
+        std::fputs(
+            "stator: read the absent input 'params'; a test gives them: "
+            "ports.params = Input(params)\n",
+            stderr);
+    } else {
+        std::fprintf(stderr,
+                     "stator: read the absent input '%s'; test it first: if (ports.%s) ...\n",
+                     input, input);
+    }
     std::abort();
 }
 

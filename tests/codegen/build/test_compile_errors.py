@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from stator import HOME
 from stator.build.compile_errors import errors_in, kept
 
@@ -79,3 +81,21 @@ def test_the_whole_output_is_kept_where_there_is_room(tmp_path: Path) -> None:
     log.unlink()
     log.symlink_to("/dev/full")
     assert kept("all of it", tmp_path) == ""
+
+
+@pytest.mark.parametrize(
+    ("message", "hint"),
+    [
+        ("'seconds_since_last' was not declared in this scope", '#include "stator/elapsed.hpp"'),
+        ("'sqrt' was not declared in this scope", 'stator::math::sqrt is in "stator/scalar.hpp"'),
+        ("'atan2' is not a member of 'stator::math'", 'stator::math::atan2 is in "stator/scalar'),
+    ],
+)
+def test_a_name_of_the_runtime_says_its_header(tmp_path: Path, message: str, hint: str) -> None:
+    shown = errors_in(f"{tmp_path}/lean.cpp:9:11: error: {message}\n", tmp_path)
+    assert f"\nhint: {hint}" in shown
+
+
+def test_an_unknown_name_has_no_hint(tmp_path: Path) -> None:
+    output = f"{tmp_path}/lean.cpp:9:11: error: 'lan' was not declared in this scope\n"
+    assert errors_in(output, tmp_path) == output.rstrip()

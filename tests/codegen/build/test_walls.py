@@ -203,7 +203,9 @@ def test_what_an_included_file_includes_counts(project: Path) -> None:
     ],
 )
 def test_every_spelling_of_an_include_is_seen(project: Path, text: str) -> None:
-    assert of_app(project, f"{text}\n") == ["an app cannot include 'tasks.hpp'"]
+    assert of_app(project, f"{text}\n") == [
+        "the folder of this app, its ports and the runtime have no header 'tasks.hpp'"
+    ]
 
 
 @pytest.mark.parametrize(

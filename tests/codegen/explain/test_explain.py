@@ -37,6 +37,15 @@ def test_what_is_neither(plan: Plan) -> None:
     assert explain(plan, "nothing") is None
 
 
+def test_a_message_and_its_topics_show_the_fields(plan: Plan) -> None:
+    row = "field xyz float[3], m/s^2, frame B: Specific force; -9.81 along z at rest."
+    for name in ("sensor_accel", "SensorAccel"):
+        assert row in " ".join(" ".join(explain(plan, name) or []).split())
+    lines = explain(plan, "VehicleStatus") or []
+    assert "  topics                vehicle_status" in lines
+    assert any("disarmed 1, armed 2" in line for line in lines)
+
+
 def test_a_chain_goes_from_node_to_node(plan: Plan) -> None:
     (chain,) = plan.graph.chains
     text = " ".join(" ".join(explain(plan, chain.name) or []).split())

@@ -239,6 +239,15 @@ def test_several_problems_are_all_told() -> None:
     assert len(texts(judge(flight(touchdown_m_s=0.8, arming_state=np.array([2, 2, 2, 2, 2]))))) == 2
 
 
+@pytest.mark.parametrize("take_off_s", [None, TAKE_OFF_S])
+def test_an_attitude_that_is_not_a_number_is_the_first_problem(take_off_s: float | None) -> None:
+    q = level(flight().attitude_time_s.size)
+    q[5:, 2] = math.nan
+    found = texts(judge(flight(attitude_q=q, take_off_s=take_off_s, landed=False)))
+    assert "vehicle_attitude.q is not a number at 0.10 s" in found
+    assert not any("nan" in text for text in found)
+
+
 def test_positions_that_are_no_numbers() -> None:
     position = truth().position
     position[-1, 0] = math.nan

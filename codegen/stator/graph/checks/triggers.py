@@ -116,7 +116,8 @@ class TriggerReader:
             record.keys[kinds[1]],
             "trigger-kind",
             f"expected one of irq, topic, every in a trigger, found {' and '.join(kinds)}",
-            f"write a list of triggers: [{split}]; each of them activates the node",
+            f"write a list of triggers: [{split}]; each of them activates the node; a list also "
+            "replaces the trigger of an included file",
         )
 
     def _check_times(self, trigger: Trigger, record: Record) -> None:

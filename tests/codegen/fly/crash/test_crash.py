@@ -70,8 +70,11 @@ def test_an_absent_input_is_named(project: Path, capsys: pytest.CaptureFixture[s
     shown, errors = capsys.readouterr()
     assert errors == ""  # it is said once
     assert "node 'breaks' read the absent input 'status' at 1.000000 s" in shown
-    assert "debug" in shown
-    assert "--node breaks --at 1.000000" in shown
+    graph = project / "breaks.yaml"
+    command = (
+        f"./stator debug {graph} --duration 2 --param breaks.how=1 --node breaks --at 1.000000"
+    )
+    assert f"stop there in a debugger: {command}\n" in shown
 
 
 def test_an_endless_recursion_is_named(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -135,9 +138,14 @@ def test_the_debugger_stops_at_the_crash(project: Path, capsys: pytest.CaptureFi
 
 
 def test_the_debugger_needs_a_node(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    facts_of(project, 3, capsys)
     graph = str(project / "breaks.yaml")
     assert cli.main(["debug", graph, "--seed", "77"]) == 2
-    assert "error: missing option --node" in capsys.readouterr().err
+    assert capsys.readouterr().err == (
+        "error: missing option --node: no crash of such a flight is known\n"
+        "hint: 'breaks' crashed in another flight: "
+        f"./stator debug {graph} --duration 2 --param breaks.how=3\n"
+    )
     assert cli.main(["debug", graph, "--node", "brakes"]) == 2
     assert "did you mean 'breaks'?" in capsys.readouterr().err
     assert cli.main(["debug", graph, "--node", "breaks", "--at", "0.5", "--print"]) == 0
