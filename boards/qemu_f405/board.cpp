@@ -75,7 +75,23 @@ void enable(uint8_t vector) {
     nvic::set_enable(vector / 32U).write(1U << vector % 32U);
 }
 
+// For the host: codegen/stator/emulator/figures.py reads it. In the order of the plan; ticks and
+// us.
+void print_figures() {
+    for (unsigned i = 0; i < program.task_count; ++i) {
+        const TaskCounters& counters = *program.tasks[i].counters;
+        semihosting::print("stator: task ");
+        for (const uint32_t figure :
+             {counters.activations, counters.most_ticks, counters.latest_us}) {
+            semihosting::print(figure);
+            semihosting::print(" ");
+        }
+        semihosting::print("\n");
+    }
+}
+
 [[noreturn]] void finish() {
+    if (semihosting::was_told(link::kFigures)) print_figures();
     const RecordingCounts recording = recording_counts();
     link::ToPlant message{
         .kind = link::ToPlant::Kind::kFinished,

@@ -19,6 +19,8 @@ inline constexpr char kMission[] = "mission";       // need not be there
 // As a word for the firmware: start again after a fault or when asked to, instead of ending the
 // emulation.
 inline constexpr char kRestart[] = "restart";
+// Another one: print what each task took at most, at the end of the flight.
+inline constexpr char kFigures[] = "figures";
 
 // The serial lines telem1 and telem2, of which the emulator has the other ends: FIFOs of these
 // names with ".in" to the firmware and ".out" from it.

@@ -39,6 +39,8 @@ COMMANDS = (
     Command("gen", "", "write the C++ of a graph"),
     Command("graph", "graphviz", "draw a graph"),
     Command("explain", "", "explain when a node runs, and why"),
+    Command("prove", "", "prove that no task and no chain of a graph can be late"),
+    Command("measure", "all", "measure budgets in the emulator, for prove"),
     Command("new", "", "write a new app or graph"),
     Command("fly", "host", "fly a graph in simulation and judge the flight"),
     Command("debug", "debugger", "fly a graph under a debugger, stopped where a node steps"),

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from stator import HOME
-from stator.rules import RULES
+from stator.rules import PROOF_RULES, RULES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -49,7 +49,8 @@ class Error:
     mark: Mark
     rule: str
     message: str
-    hint: str
+    hint: str  # several: a line each
+    notes: tuple[str, ...] = ()
 
     def text(self) -> str:
         """The error as a person reads it, with the source line and a caret."""
@@ -58,8 +59,8 @@ class Error:
         source, caret = source_line(mark)
         if source.strip():
             lines += [f"    {source}".rstrip(), " " * (4 + caret) + "^"]
-        if self.hint:
-            lines.append(f"hint: {self.hint}")
+        lines += [f"note: {note}" for note in self.notes]
+        lines += [f"hint: {hint}" for hint in self.hint.splitlines()]
         return "\n".join(lines)
 
     def as_json(self) -> dict[str, object]:
@@ -70,6 +71,7 @@ class Error:
             "rule": self.rule,
             "message": self.message,
             "hint": self.hint,
+            **({"notes": list(self.notes)} if self.notes else {}),
         }
 
 
@@ -104,9 +106,18 @@ class Report:
         self._errors: dict[tuple[Mark, str, str], Error] = {}
         self._compared = 0
 
-    def error(self, mark: Mark, rule: str, message: str, hint: str = "") -> None:
-        assert rule in RULES, f"rule '{rule}' is not listed in rules.py"
-        error = Error(mark, rule, _one_line(message), _one_line(hint))
+    def error(
+        self,
+        mark: Mark,
+        rule: str,
+        message: str,
+        hint: str | tuple[str, ...] = "",
+        notes: tuple[str, ...] = (),
+    ) -> None:
+        """`hint`: several are alternatives. `notes`: facts behind the message."""
+        assert rule in RULES or rule in PROOF_RULES, f"rule '{rule}' is not listed in rules.py"
+        hints = "\n".join(map(_one_line, (hint,) if isinstance(hint, str) else hint))
+        error = Error(mark, rule, _one_line(message), hints, notes)
         self._errors.setdefault((mark, rule, error.message), error)
 
     def nearest(self, name: str, names: Iterable[str]) -> str:

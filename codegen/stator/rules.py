@@ -109,3 +109,12 @@ RULES = {
     "chain-link": "two neighbours in a chain share no topic",
     "budget-node": "a budget names an unknown node, which resembles a known one",
 }
+
+# Rules of `prove`. A test fails if one has no example in tests/codegen/prove/bad.
+PROOF_RULES = {
+    "budget-missing": "a node has no budget",
+    "interarrival-missing": "the proof needs the shortest time between two events of a line",
+    "task-late": "a task may end after its deadline",
+    "task-endless": "a task has no bound: the processor has too much to do",
+    "chain-late": "a chain may end after its deadline",
+}

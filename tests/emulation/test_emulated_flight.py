@@ -8,6 +8,7 @@ import signal
 import subprocess
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.emulation.firmware_tools import needs_emulator
@@ -18,6 +19,7 @@ from stator.build.cmake import RECORDING, build, build_plant
 from stator.emulator.qemu import FIFOS, Emulator, fly
 from stator.live.fault_record import in_words
 from stator.pipeline import make_plan
+from stator.prove.proof import prove
 
 QUAD = HOME / "graph" / "quad.yaml"
 
@@ -33,16 +35,37 @@ def emulate(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, d
     return status, facts
 
 
+CLOCK_NS = 1000
+
+
+def responses_and_bounds(figures: Any) -> list[tuple[str, int, int]]:
+    """Of the tasks whose response is measured. Budgets: what each task took in this flight."""
+    plan = make_plan(str(QUAD), "qemu_f405")
+    instruction_ns = plan.board.costs.instruction_ns if plan.board.costs else None
+    assert instruction_ns is not None
+    proof = prove(plan, {row["task"]: row["instructions"] * instruction_ns for row in figures})
+    found = [
+        (row["task"], row["response_us"], proof.task(row["task"]).response_ns)
+        for row in figures
+        if row["response_us"] is not None
+    ]
+    assert [name for name, _, _ in found] == ["rate_control", "motors"]
+    return [(name, response, bound) for name, response, bound in found if bound is not None]
+
+
 @pytest.mark.parametrize(
     "seed", [1, 2, *(pytest.param(n, marks=pytest.mark.long) for n in range(3, 11))]
 )
 def test_the_firmware_keeps_the_limits(
     emulator: Emulator, capsys: pytest.CaptureFixture[str], tmp_path: Path, seed: int
 ) -> None:
-    status, facts = emulate(capsys, "--seed", str(seed), "-o", str(tmp_path / "flight.ulg"))
+    log = str(tmp_path / "flight.ulg")
+    status, facts = emulate(capsys, "--seed", str(seed), "-o", log, "--figures")
     assert (status, facts["success"]) == (0, True), facts
     assert (facts["lost_samples"], facts["missed_samples"]) == (0, 0)
     assert facts["emulator"] == emulator.version
+    for name, response_us, bound_ns in responses_and_bounds(facts["figures"]):
+        assert 0 < response_us * 1000 <= bound_ns + CLOCK_NS, name
 
 
 def test_the_firmware_begins_a_mission(

@@ -11,6 +11,7 @@ from stator.arguments import path
 from stator.build.cmake import SLEEP, build_plant
 from stator.build.image import build_image
 from stator.diagnostics import ANSWER_IS_NO, SIGNALLED, UserError
+from stator.emulator.figures import FIGURES, figures_in, figures_text
 from stator.emulator.qemu import find_emulator, fly
 from stator.flight.arguments import (
     add_flight_arguments,
@@ -51,6 +52,8 @@ from stator.pipeline import make_plan
 if TYPE_CHECKING:
     import argparse
 
+    from stator.plan.plan import Plan
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_flight_arguments(parser, board="qemu_f405", what="a board that the emulator supports")
@@ -73,6 +76,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=speed_of,
         metavar="FACTOR",
         help="highest speed, as a multiple of real time (default: no limit; with --mavlink 1)",
+    )
+    parser.add_argument(
+        "--figures",
+        action="store_true",
+        help="report the longest execution and response of each task",
     )
     add_nonvolatile_argument(parser, "none: they are gone at the end")
     add_mavlink_argument(parser)
@@ -114,6 +122,7 @@ def main(arguments: argparse.Namespace) -> int:
             image,
             [str(plant), *options],
             log,
+            argument=FIGURES if arguments.figures else "",
             link=link,
             mission=memory,
             records=records,
@@ -124,8 +133,7 @@ def main(arguments: argparse.Namespace) -> int:
         if heard and finished.returncode != 0:  # it was asked twice
             raise KeyboardInterrupt
         if finished.returncode != 0:
-            plan = make_plan(str(arguments.graph), arguments.board)
-            raise UserError(in_words(finished.stderr, plan, image).rstrip())
+            raise UserError(in_words(finished.stderr, made_plan(arguments), image).rstrip())
         facts = facts_of(
             finished,
             log,
@@ -145,12 +153,21 @@ def main(arguments: argparse.Namespace) -> int:
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())
     facts["emulator"] = emulator.version
+    figures = figures_in(finished.stderr, made_plan(arguments)) if arguments.figures else []
+    if arguments.figures:
+        facts["figures"] = figures
     facts["missed_samples"] = json.loads(finished.stdout)["missed_samples"]
     keep(facts)
     if arguments.json:
         print(json.dumps(facts, indent=2))
     else:
         report(facts)
+        if figures:
+            print(figures_text(figures), end="")
     if heard and not is_guided:  # that is how a flight with a ground station ends
         return SIGNALLED + heard
     return 0 if facts["success"] else ANSWER_IS_NO
+
+
+def made_plan(arguments: argparse.Namespace) -> Plan:
+    return make_plan(str(arguments.graph), arguments.board)

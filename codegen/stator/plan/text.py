@@ -8,6 +8,8 @@ from stator.language.period import spelled_us
 from stator.plan.hash import graph_hash
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from stator.graph.model import Node
     from stator.plan.plan import Plan
     from stator.plan.topics import TopicPlan
@@ -19,14 +21,14 @@ def plan_text(plan: Plan) -> str:
         f"planned for {plan.graph.board.name}",
         f"hash {graph_hash(plan)}",
         "",
-        *_table(
+        *text_table(
             [
                 ("level", "task", "vector", "triggers"),
                 *(_task(plan, i) for i in range(len(plan.tasks))),
             ]
         ),
         "",
-        *_table(
+        *text_table(
             [
                 ("topic", "message", "bytes", "depth", "slots", "masks", "log"),
                 *(_topic(topic) for topic in plan.topics.values()),
@@ -74,7 +76,7 @@ def _topic(topic: TopicPlan) -> tuple[str, ...]:
     )
 
 
-def _table(rows: list[tuple[str, ...]]) -> list[str]:
+def text_table(rows: Sequence[tuple[str, ...]]) -> list[str]:
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     return [
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()

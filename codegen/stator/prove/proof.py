@@ -1,4 +1,5 @@
-"""The proof of a plan: the bound of each task in every mode, and in each change between two."""
+"""The proof of a plan: the bound of each task in every mode, and in each change between two; of
+each chain, and of each queue."""
 
 from __future__ import annotations
 
@@ -8,10 +9,12 @@ from typing import TYPE_CHECKING
 
 from stator.language.keys import PROVENANCES
 from stator.plan.rates import Rates
+from stator.prove.chains import ChainBound, bound_chains
+from stator.prove.queues import QueueBound, bound_queues
 from stator.prove.system import US, Solution, System
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
 
     from stator.graph.model import Node
     from stator.plan.plan import Plan
@@ -42,6 +45,8 @@ class TaskBound:
 class Proof:
     plan: Plan
     tasks: tuple[TaskBound, ...]  # in the order of the plan
+    chains: tuple[ChainBound, ...]
+    queues: tuple[QueueBound, ...]
     solutions: tuple[Solution, ...]  # of each mode and each change between two
     load: float  # of the processor, in the worst mode
 
@@ -53,14 +58,14 @@ class Proof:
 
     @property
     def holds(self) -> bool:
-        return all(task.holds for task in self.tasks)
+        return all(task.holds for task in self.tasks) and all(c.holds for c in self.chains)
 
     def task(self, name: str) -> TaskBound:
         return next(task for task in self.tasks if task.name == name)
 
 
 def prove(plan: Plan, budgets: Mapping[str, int] | None = None) -> Proof:
-    """`budgets`: in ns, instead of the graph's, which `check_provable` has found to be complete."""
+    """`budgets`: in ns, instead of the graph's, which `require_provable` has found complete."""
     graph = plan.graph
     if budgets is None:
         budgets = {name: (node.budget_us or 0) * US for name, node in graph.nodes.items()}
@@ -88,7 +93,14 @@ def prove(plan: Plan, budgets: Mapping[str, int] | None = None) -> Proof:
                 solution.shares.get(node.name, ()),
             )
         )
-    return Proof(plan, tuple(tasks), tuple(solutions), max(map(_load, solutions)))
+    return Proof(
+        plan,
+        tuple(tasks),
+        bound_chains(graph, solutions),
+        bound_queues(plan, solutions),
+        tuple(solutions),
+        max(map(_load, solutions)),
+    )
 
 
 def deadline_ns(node: Node, rates: Rates) -> int:
@@ -136,7 +148,3 @@ def _load(solution: Solution) -> float:
     return sum(
         stream.count * job.cost / stream.period for job in solution.jobs for stream in job.streams
     )
-
-
-def missing_budgets(plan: Plan) -> Iterator[Node]:
-    return (task.node for task in plan.tasks if task.node.budget is None)

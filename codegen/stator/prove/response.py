@@ -63,6 +63,7 @@ class Response:
     number: int
     start: int
     end: int
+    run: int  # the longest time from the begin of an activation to its end
 
     def late(self, stream: Stream) -> int:
         """The latest end of an activation by this stream, counted from its source."""
@@ -109,12 +110,13 @@ class Processor:
         """None: there is no bound."""
         job = self._jobs[i]
         if not job.streams:
-            return Response(job.cost, job.cost, job.cost, 1, 0, job.cost)
+            return Response(job.cost, job.cost, job.cost, 1, 0, job.cost, job.cost)
         if self._load[i] > 1:
             return None
         blocked = self._blocker[i].cost
         window = self._window(i, blocked)
-        if window is None:
+        run = self._longest_run(i)
+        if window is None or run is None:
             return None
         number = sum(stream.most(window) for stream in job.streams)
         earliest = arrivals(job.streams, number)
@@ -130,7 +132,7 @@ class Processor:
         from_arrival = worst[0]
         if only is None:
             from_source = from_arrival + max(stream.jitter for stream in job.streams)
-        return Response(from_arrival, from_source, window, *worst[1:])
+        return Response(from_arrival, from_source, window, *worst[1:], run)
 
     def _window(self, i: int, blocked: int) -> int | None:
         end = self._first[i + 1]
@@ -188,6 +190,17 @@ class Processor:
         most = np.where(self._free[part], number, window // self._distance[part] + 1)
         found: Integers = np.minimum(number, most)
         return found
+
+    def _longest_run(self, i: int) -> int | None:
+        """From the begin of an activation to its end, with what comes between."""
+        job, above = self._jobs[i], self._first[self._begin[i]]
+        run = job.cost
+        while run <= LONGEST:
+            more = job.cost + self._sum(run, 0, above)
+            if more == run:
+                return run
+            run = more
+        return None
 
     def shares(self, i: int, response: Response) -> tuple[Share, ...]:
         """Who takes how much of the time from the start of the window to the end of the worst

@@ -24,7 +24,7 @@ from stator.prove.streams import ONCE, Stream, thinned
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
-    from stator.graph.model import Costs, Node, Trigger
+    from stator.graph.model import Costs, Graph, Node, Trigger
     from stator.plan.plan import Plan
 
 US = 1000  # ns
@@ -42,6 +42,17 @@ class Wake:
 
     stream: Stream
     path: tuple[str, ...] = ()  # the tasks through which it comes, the first one first
+    topic: str = ""  # each sample of which wakes
+    interval: int = 0  # of a reader that not every sample wakes
+    source_period: int = 0  # of these samples
+
+    @property
+    def gap(self) -> int:
+        """The longest time to the next arrival, if the source comes as often as it may. An interval
+        ends, and then a sample comes."""
+        if self.interval:
+            return self.stream.jitter + self.source_period
+        return self.stream.period + self.stream.jitter
 
 
 Wakes = tuple[Wake, ...]
@@ -119,7 +130,7 @@ class System:
             bad = {entry.name for entry in self._entries[:count] if entry.name not in solved}
             bad |= self._behind(bad | {entry.name for entry in self._entries[count:]})
             if not bad & {entry.name for entry in self._entries[:count]}:
-                return replace(found, jobs=(*found.jobs, *map(self._job, self._entries[count:])))
+                return found
             count = min(self._place[name] for name in bad)
 
     def _fixpoint(self, count: int) -> Solution:
@@ -165,7 +176,8 @@ class System:
                     if self._place[other] < i:
                         streams = tuple(wake.stream for wake in seen[other])
                         processor.replace_streams(self._place[other], streams)
-        return Solution(tuple(reversed(jobs)), done, blamed, own)
+        rest = (self._job(entry, seen.get(entry.name, ())) for entry in self._entries[count:])
+        return Solution((*reversed(jobs), *rest), done, blamed, own)
 
     def _wakers(self, name: str) -> list[str]:
         """The jobs that wake a task."""
@@ -303,9 +315,9 @@ class System:
         return found
 
     def _late_arming(self, known: Mapping[str, Response]) -> int:
-        """The handler arms the timer itself. What delays that, delays the next release."""
-        release = known.get(RELEASE)
-        return self._costs.clock_ns + (0 if release is None else release.from_arrival)
+        """The handler reads the clock, and arms the timer for the time that is left. What comes
+        between the two delays the next release."""
+        return self._costs.clock_ns + (known[RELEASE].run if RELEASE in known else 0)
 
     def _wakes(
         self,
@@ -344,20 +356,27 @@ class System:
     ) -> list[Wake]:
         found = []
         for publisher in self._publishers(trigger):
-            burst = self._burst(publisher, trigger.name)
+            burst = burst_of(self._plan.graph, publisher, trigger.name)
             response = done.get(publisher)
             for wake in seen[publisher] if response is None else own[publisher]:
                 stream = wake.stream.times(burst)
                 if response is not None:
                     stream = stream.late(response.late(wake.stream))
                 path = (*wake.path, name) if wake.path else ()
-                found.append(Wake(stream, path))
+                found.append(Wake(stream, path, trigger.name))
         if not found or trigger.min_interval_us is None:
             return found
-        apart = thinned([wake.stream for wake in found], trigger.min_interval_us * US)
+        interval = trigger.min_interval_us * US
+        apart = thinned([wake.stream for wake in found], interval)
+        shortest = min(wake.stream.period for wake in found)
         if len(apart) == len(found):
-            return [replace(w, stream=stream) for w, stream in zip(found, apart, strict=True)]
-        return [Wake(stream) for stream in apart]
+            return [
+                replace(w, stream=s, topic="", interval=interval, source_period=w.stream.period)
+                if s.period == interval
+                else replace(w, stream=s, topic="")
+                for w, s in zip(found, apart, strict=True)
+            ]
+        return [Wake(s, interval=interval, source_period=shortest) for s in apart]
 
     def _switches(self, known: Mapping[str, Response]) -> list[Wake]:
         """A change of the mode wakes each task that it starts."""
@@ -381,15 +400,17 @@ class System:
         topic = self._plan.graph.topics[trigger.name]
         return [name for name in topic.publishers if name in self._nodes]
 
-    def _burst(self, name: str, topic: str) -> int:
-        outputs = self._plan.graph.nodes[name].outputs.values()
-        return max(output.port.burst for output in outputs if output.topic == topic)
-
     def _interarrival(self, name: str, line: str) -> int:
         triggers = self._plan.graph.nodes[name].triggers
         found = next(t for t in triggers if t.kind == "irq" and t.name == line)
         assert found.min_interarrival_us is not None
         return found.min_interarrival_us * US
+
+
+def burst_of(graph: Graph, name: str, topic: str) -> int:
+    """The most publications of one activation."""
+    outputs = graph.nodes[name].outputs.values()
+    return max(output.port.burst for output in outputs if output.topic == topic)
 
 
 def _is_endless(wakes: Wakes) -> bool:

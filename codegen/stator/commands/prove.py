@@ -1,0 +1,39 @@
+"""`./stator prove`: the worst response time of each task and chain, against its deadline."""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import TYPE_CHECKING
+
+from stator.arguments import add_graph_arguments
+from stator.diagnostics import ANSWER_IS_NO, in_place
+from stator.pipeline import make_plan
+from stator.prove.needs import require_provable
+from stator.prove.problems import problems
+from stator.prove.proof import prove
+from stator.prove.report import facts, text
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_graph_arguments(parser)
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    plan = make_plan(arguments.graph, arguments.board)
+    require_provable(plan)
+    proof = prove(plan)
+    errors = problems(proof)
+    if arguments.json:
+        shown = {**facts(proof), "errors": [error.as_json() for error in errors]}
+        print(json.dumps(shown, indent=2))
+    else:
+        print(text(proof), end="")
+        sys.stdout.flush()
+        for error in errors:
+            print(in_place(f"\n{error.text()}"), file=sys.stderr)
+    return 0 if proof.holds else ANSWER_IS_NO
