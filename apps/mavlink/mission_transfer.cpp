@@ -260,12 +260,20 @@ void MissionTransfer::ask_device(unsigned line, mav::Address to, uint8_t list, u
                                  bool is_float, Link& link, MavlinkPorts& ports) {
     const uint16_t count = ports.mission && list < kLists ? count_of(*ports.mission, list) : 0;
     if (index >= count) return acknowledge(link, to, list, result::kInvalidSequence);
-    downloads_[line] = {.is_one = true,
-                        .is_float = is_float,
-                        .to = to,
-                        .list = list,
-                        .index = index,
-                        .asked_us = 0};
+    Download& wanted = downloads_[line];
+    const bool goes_on = wanted.is_one && wanted.to == to && wanted.list == list &&
+                         wanted.is_float == is_float && index >= wanted.index &&
+                         index <= wanted.last + 1;
+    if (goes_on) {
+        wanted.last = std::max(wanted.last, index);
+        return;
+    }
+    wanted = {.is_one = true,
+              .is_float = is_float,
+              .to = to,
+              .list = list,
+              .index = index,
+              .last = index};
 }
 
 void MissionTransfer::take_items(MavlinkPorts& ports) {
@@ -284,7 +292,9 @@ void MissionTransfer::answer_download(Link& link, unsigned line, MavlinkPorts& p
                            static_cast<uint8_t>(item->list) == wanted.list &&
                            item->id == id_of(*ports.mission, wanted.list);
         if (!is_it) continue;
-        wanted.is_one = false;
+        wanted.is_one = wanted.index != wanted.last;
+        ++wanted.index;
+        wanted.asked_us = 0;
         mav::MissionItemInt answer{.param1 = item->param1,
                                    .param2 = item->param2,
                                    .param3 = item->param3,

@@ -12,7 +12,7 @@ namespace stator::apps::mavlink {
 // One upload at a time, of one station; to clear a list is to upload an empty one. Its items go to
 // the device as they come; only its end makes the new plan count, whole. An item that does not come
 // is asked for again, and after 5 s the upload is over and the plan is the one before. Downloads
-// have no state but the newest question of each line: the device is asked for each item. What a
+// have no state but the newest questions of each line, in a row: the device is asked for each item. What a
 // station is told goes to it alone.
 class MissionTransfer {
   public:
@@ -60,6 +60,7 @@ class MissionTransfer {
         mav::Address to;
         uint8_t list = 0;
         uint16_t index = 0;
+        uint16_t last = 0;  // some stations ask for several items at once
         uint64_t asked_us = 0;
     };
 

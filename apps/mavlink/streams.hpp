@@ -25,7 +25,7 @@ inline constexpr std::array kStreams{
     Stream{mav::MissionCurrent::kId, 1000, 1000}, Stream{mav::BatteryStatus::kId, 2000, 1000},
     Stream{mav::HomePosition::kId, 2000, 1000},   Stream{mav::SystemTime::kId, 2000, 1000},
     Stream{mav::Altitude::kId, 1000, 200},        Stream{mav::AttitudeQuaternion::kId, 0, 100},
-    Stream{mav::HighresImu::kId, 0, 200},         Stream{mav::Odometry::kId, 0, 0},
+    Stream{mav::HighresImu::kId, 1000, 200},      Stream{mav::Odometry::kId, 0, 0},
 };
 
 // The streams of one link.

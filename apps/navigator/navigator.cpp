@@ -19,6 +19,7 @@ constexpr float kSinks = 0.2F;  // m
 constexpr float kPatience_s = 5.0F;
 // Below the fence's ceiling, so that noise does not reach it.
 constexpr float kBelowCeiling = 0.9F;
+constexpr float kLowestClimb = 0.5F;  // m, of a take-off
 
 }  // namespace
 
@@ -140,7 +141,10 @@ void Navigator::advance(const NavigatorPorts& ports, float dt) {
 void Navigator::advance_takeoff(const NavigatorPorts& ports) {
     if (phase_ == 0 && in_phase_s_ >= ports.params->spool_up_time) {
         const float usual_z = home_N_.z() - ports.params->takeoff_height;
-        const float z = math::is_finite(takeoff_z_) ? takeoff_z_ : usual_z;
+        // Stations send zero for a height that they do not care about; where that is below the
+        // ground, it is no height to climb to.
+        const bool is_above = takeoff_z_ < position_N_.z() - kLowestClimb;
+        const float z = is_above ? takeoff_z_ : usual_z;
         go({position_N_.x(), position_N_.y(), math::min(z, position_N_.z())}, kNaN, {});
         phase_ = 1;
     } else if (phase_ == 1 && has_arrived_) {

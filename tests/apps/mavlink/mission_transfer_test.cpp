@@ -70,6 +70,20 @@ class MissionTransferTest : public MavlinkTest {
     }
 };
 
+TEST_F(MissionTransferTest, SeveralItemsCanBeAskedForAtOnce) {
+    ASSERT_EQ(upload(12), static_cast<int>(result::kAccepted));
+    forget();
+    for (unsigned round = 0; round < 2; ++round) {  // what is asked twice before it comes is one
+        for (uint16_t i = 0; i < 3; ++i) {
+            send(mav::MissionRequestInt{.seq = i, .target_system = 1, .target_component = 1});
+        }
+    }
+    run(0.3);
+    const auto items = heard<mav::MissionItemInt>();
+    ASSERT_EQ(items.size(), 3U);
+    for (uint16_t i = 0; i < 3; ++i) EXPECT_EQ(items[i].seq, i);
+}
+
 TEST_F(MissionTransferTest, GoesThereAndBack) {
     for (uint8_t list = 0; list < 3; ++list) {
         ASSERT_EQ(upload(12, list), static_cast<int>(result::kAccepted));

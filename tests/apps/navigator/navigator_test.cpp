@@ -971,6 +971,18 @@ TEST_F(NavigatorTest, TakesOffToTheHeightOfTheCommand) {
     expect_goal(1.0F, 2.0F, -11.5F);
 }
 
+// Zero above the sea, from a station that leaves the height open.
+TEST_F(NavigatorTest, TakesOffToTheUsualHeightIfTheCommandsIsBelowTheGround) {
+    run(0.5F);
+    command_ = VehicleCommand{.action = VehicleCommand::Action::kSetMode,
+                              .nav_state = static_cast<uint8_t>(Nav::kTakeoff),
+                              .position = {kNaN, kNaN, 490.0F}};
+    step();
+    fly(Nav::kTakeoff);
+    run(2.0F);
+    expect_goal(1.0F, 2.0F, 0.5F - params_.takeoff_height);
+}
+
 TEST_F(NavigatorTest, GoesOnWithTheItemOfACommand) {
     add(ItemKind::kWaypoint, 10.0F, 0.0F, 5.0F);
     add(ItemKind::kWaypoint, 10.0F, 10.0F, 5.0F);
