@@ -12,8 +12,8 @@ namespace stator::apps::mavlink {
 // One upload at a time, of one station; to clear a list is to upload an empty one. Its items go to
 // the device as they come; only its end makes the new plan count, whole. An item that does not come
 // is asked for again, and after 5 s the upload is over and the plan is the one before. Downloads
-// have no state but the newest questions of each line, in a row: the device is asked for each item. What a
-// station is told goes to it alone.
+// have no state but the newest questions of each line, in a row: the device is asked for each item.
+// What a station is told goes to it alone.
 class MissionTransfer {
   public:
     // False: not a message of a plan.
