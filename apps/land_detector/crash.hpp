@@ -7,8 +7,9 @@ namespace stator::apps::land_detector {
 
 // Thrust acts along -z of B, and what lies on the ground feels gravity alone, wherever its rotors
 // push: so the specific force then has no part along -z, in the air it has nothing else. What
-// tumbles turns fast. Where the estimated attitude does not agree, it takes longer: what turned so
-// fast that the gyro could not follow does not know how it lies.
+// tumbles turns fast, each moment about another axis: a slow steady rate is the gyro's error. Where
+// the estimated attitude does not agree, it takes longer: what turned so fast that the gyro could
+// not follow does not know how it lies.
 class Crash {
   public:
     // The newest samples; a tilt in rad.
@@ -16,9 +17,12 @@ class Crash {
                 float cos_tilt, float dt) {
         const float blend = dt / (kSmoothing_s + dt);
         force_B_ += blend * (force_B - force_B_);
+        steady_rate_B_ += (rate_B - steady_rate_B_) * (dt / (kSteady_s + dt));
         const float felt = math::norm(force_B_);
-        const bool rests =
-            math::abs(felt - kGravity) < 0.4F * kGravity && math::norm(rate_B) < kTumbling;
+        const bool may_be_error = math::norm(steady_rate_B_) < kGyroError;
+        const bool turns = math::norm(rate_B) >= kTumbling &&
+                           !(may_be_error && math::norm(rate_B - steady_rate_B_) < kTumbling);
+        const bool rests = math::abs(felt - kGravity) < 0.4F * kGravity && !turns;
         const bool lies = rests && force_B_.z() > -kFallen * kGravity;
         inverted_s_ = cos_tilt < 0.0F ? inverted_s_ + dt : 0.0F;
         whirls_s_ = math::norm(rate_B) > kWhirls ? whirls_s_ + dt : 0.0F;
@@ -61,6 +65,8 @@ class Crash {
     static constexpr float kFallen = 0.5F;       // the cosine of 60 deg
     static constexpr float kTumbling = 1.5F;     // rad/s
     static constexpr float kSmoothing_s = 0.1F;  // against vibration
+    static constexpr float kSteady_s = 1.0F;
+    static constexpr float kGyroError = 3.0F;  // rad/s
     static constexpr float kLasts_s = 0.7F;
     static constexpr float kAlone_s = 3.0F;
     // Nothing that flies leans so far and does not turn: whatever the accelerometer says.
@@ -76,6 +82,7 @@ class Crash {
     static constexpr float kTumbled_s = 0.4F;
 
     math::Vector3<float> force_B_ = {0.0F, 0.0F, -kGravity};
+    math::Vector3<float> steady_rate_B_ = math::Vector3<float>::Zero();
     math::Vector3<float> felt_B_ = math::Vector3<float>::Zero();
     math::Vector3<float> last_rate_B_ = math::Vector3<float>::Zero();
     float dead_s_ = 0.0F;

@@ -18,7 +18,7 @@ constexpr float kSteady = 1.5F;  // m/s^2
 // A vehicle that falls accelerates; one whose estimate drifts does not.
 constexpr float kFalling = 2.0F;  // m/s^2
 // Blind: an impact counts for longer, and then everything must be quiet.
-constexpr float kHitCounts_s = 2.0F;
+constexpr float kHitCounts_s = 5.0F;
 constexpr float kFastestBlind = 3.0F;  // m/s
 constexpr float kHigh = 6.0F;          // m, more than a height is off by
 constexpr float kQuiet_s = 0.5F;

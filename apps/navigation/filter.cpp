@@ -18,6 +18,8 @@ constexpr float kGapForce = 1.0F;  // m/s^2
 // What an accelerometer in doubt may be wrong by, and for how long the same way.
 constexpr float kDoubtfulForce = 10.0F;  // m/s^2
 constexpr float kDoubtTime = 0.2F;       // s
+// What was learned meanwhile may be wrong by this.
+constexpr float kDoubtfulGyroBias = 0.03F;  // rad/s
 
 // Below, the force along the ground is noise and the tilt's error, and says nothing of the heading:
 // taken for true it would make the filter sure of a heading that was never measured.
@@ -182,10 +184,9 @@ void Filter::align_heading(float error, float noise_variance, float offset_varia
 
 void Filter::forget_inertial_errors() {
     constexpr float kTilt = 0.05F;      // rad
-    constexpr float kGyroBias = 0.03F;  // rad/s
     constexpr float kAccelBias = 0.5F;  // m/s^2
     covariance_.reset(kTurn, 2, math::square(kTilt));
-    covariance_.reset(ErrorState::kGyroBias, 3, math::square(kGyroBias));
+    covariance_.reset(ErrorState::kGyroBias, 3, math::square(kDoubtfulGyroBias));
     covariance_.reset(ErrorState::kAccelBias, 3, math::square(kAccelBias));
 }
 
@@ -197,6 +198,7 @@ void Filter::forget_accel_bias() {
     for (unsigned turn = kTurn; turn < kTurn + 2; ++turn)
         covariance_.reset(turn, 1, math::max(variance(turn), math::square(kTilt)));
     covariance_.reset(ErrorState::kAccelBias, 3, math::square(kAccelBias));
+    covariance_.reset(ErrorState::kGyroBias, 3, math::square(kDoubtfulGyroBias));
     inflate_heading_variance(kUnknownHeading);
 }
 

@@ -62,7 +62,7 @@ class Filter {
     void align_heading(float error, float noise_variance, float offset_variance);
     // Something was wrong with the inertial sensors: tilt and biases may be, too.
     void forget_inertial_errors();
-    // It was no bias, and tilt and heading were found with it.
+    // It was no bias, and tilt, heading and the gyro's bias were found with it.
     void forget_accel_bias();
     void shift_mag_offset(float change, float variance);
     // Trusts neither the heading nor the magnetometer's offset any more, only their sum.

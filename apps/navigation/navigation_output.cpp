@@ -12,6 +12,10 @@ constexpr float kCoasting = 1.0F;       // s without satellites that count as de
 constexpr float kGoodPosition = 20.0F;  // m, 1 sigma
 constexpr float kGoodHeight = 10.0F;    // m, 1 sigma
 
+// A wrong velocity carries the position away for so long, until fixes bring it back; where these
+// are left out, for as long as they are.
+constexpr float kCarried = 1.5F;  // s
+
 constexpr float kGoodVelocity = 2.0F;       // m/s, 1 sigma
 constexpr float kGoodLevelVelocity = 4.0F;  // the same for the horizontal one
 
@@ -106,10 +110,13 @@ VehicleLocalPosition Navigation::local_position(const Kinematics& now,
     result.az = acceleration_N.z();
     result.heading = math::heading(now.q_NB);
     const Disagreement& d = disagreement_;
-    result.eph = deviation(position + d.level_position(), params.gnss_slow_error);
+    const float drift =
+        d.level_velocity() + inconsistency_variance(contradiction_N_.head<2>().squaredNorm());
+    const float carried = kCarried + position_aid_.refused_for(filter_.time_us());
+    result.eph = deviation(position + d.level_position() + math::square(carried) * drift,
+                           params.gnss_slow_error);
     result.epv = deviation(variance(kPosition + 2) + d.height(), params.baro_slow_error);
-    result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1) + d.level_velocity() +
-                           inconsistency_variance(contradiction_N_.head<2>().squaredNorm()));
+    result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1) + drift);
     result.evv = deviation(variance(kVelocity + 2) + vertical_disagreement());
     result.xy_valid = position_aided && result.eph < kGoodPosition;
     result.z_valid = height_aided && result.epv < kGoodHeight;

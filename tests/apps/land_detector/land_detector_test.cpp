@@ -179,6 +179,21 @@ TEST_F(LandDetectorTest, without_a_height_an_impact_in_a_descent_and_rest_after_
     EXPECT_TRUE(run(0.4F));
 }
 
+// It slides along the ground, and comes to rest.
+TEST_F(LandDetectorTest, rest_counts_for_some_seconds_after_an_impact) {
+    fly();
+    position_.z_valid = position_.v_z_valid = false;
+    status_.nav_state = VehicleStatus::NavState::kDescend;
+    run(3.0F);
+    accel_.xyz[2] = -25.0F;
+    step();
+    accel_.xyz[2] = -9.81F;
+    gyro_.xyz[2] = 0.5F;
+    EXPECT_FALSE(run(3.0F));
+    gyro_.xyz[2] = 0.0F;
+    EXPECT_TRUE(run(0.6F));
+}
+
 TEST_F(LandDetectorTest, it_has_crashed_when_it_lies_upside_down_or_on_its_side) {
     for (const float roll : {1.57F, 3.1F, -1.6F}) {
         node_ = {};
@@ -217,6 +232,17 @@ TEST_F(LandDetectorTest, what_flies_tilted_or_tumbles_has_not_crashed) {
     gyro_ = {};
     accel_.xyz = {0.0F, 0.0F, 9.81F};  // a sensor that is wrong, or an attitude
     run(2.5F);
+    EXPECT_FALSE(crashed_);
+    run(1.0F);
+    EXPECT_TRUE(crashed_);
+}
+
+// Of a gyro that has drifted away; the attitude, too, is wrong.
+TEST_F(LandDetectorTest, a_steady_rate_does_not_hide_a_crash) {
+    fly();
+    accel_.xyz = {0.0F, 0.0F, 9.81F};
+    gyro_.xyz = {1.0F, 1.0F, 1.0F};
+    run(3.0F);
     EXPECT_FALSE(crashed_);
     run(1.0F);
     EXPECT_TRUE(crashed_);

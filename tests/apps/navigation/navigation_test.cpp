@@ -162,6 +162,19 @@ TEST(Navigation, AReceiverThatContradictsItselfIsDoubted) {
     EXPECT_LT(rig.velocity_error().head<2>().norm(), 5 * static_cast<double>(rig.position.evh));
 }
 
+// A velocity that turns wrong carries the position away, and the error that is said.
+TEST(Navigation, AVelocityThatDriftsMakesThePositionUnsure) {
+    NavigationRig rig;
+    rig.params.gnss_position_noise = 4.0F;
+    rig.run(20);
+    for (int fix = 1; fix <= 40; ++fix) {
+        rig.velocity_error_N = Eigen::Vector3d(0.3, 0, 0) * fix;
+        rig.run(0.2);
+        const double error = rig.position_error().head<2>().norm();
+        EXPECT_LT(error, 1.6 * static_cast<double>(rig.position.eph)) << fix;
+    }
+}
+
 // A position that jumps by less than the gate is followed; the error that is said grows with it.
 TEST(Navigation, AJumpThatIsFollowedIsInTheErrorThatIsSaid) {
     NavigationRig rig;
