@@ -51,6 +51,7 @@ class Port:
     tag: int
     message: Message
     burst: int = 1  # of an output
+    min_interval_us: int = 0  # of one that is published seldom
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,9 @@ def _of_task(plan: Plan, task: Task) -> Recorded:
         inputs.append(Port("params", topic, "latest", 0, node.interface.params_message))
     how = {"app": "hash", "driver": "whole", "logger": "stamp"}[kind]
     outputs = [
-        Port(key, o.topic, how, 0, plan.topics[o.topic].message, o.port.burst)
+        Port(
+            key, o.topic, how, 0, plan.topics[o.topic].message, o.port.burst, o.port.min_interval_us
+        )
         for key, o in node.outputs.items()
     ]
     params = [
@@ -286,15 +289,16 @@ def stream_bytes(plan: Plan) -> dict[int, int]:
     return {level: _power_of_two(max(Fraction(MIN_STREAM), size)) for level, size in sizes.items()}
 
 
-def bytes_per_second(plan: Plan) -> int:
-    """What a log with a full recording takes, as a rule at most."""
-    rates = Rates(plan.graph)
+def bytes_per_second(plan: Plan, *, usual: bool = False) -> int:
+    """What a log with a full recording takes, as a rule at most. `usual`: outputs that are
+    published seldom count with their `min_interval`."""
+    rates = Rates(plan.graph, usual=usual)
     recorded = sum(
         _record_bytes(plan, task, rates) / _period_us(rates, task.name)
         for task in recorded_tasks(plan)
         if task.kind != "parameters"
     )
-    return round(recorded * SECOND_US + logged_bytes(plan.topics))
+    return round(recorded * SECOND_US + logged_bytes(plan.topics, rates if usual else None))
 
 
 def check_recording_rate(plan: Plan) -> None:
@@ -348,7 +352,10 @@ def _record_bytes(plan: Plan, task: Recorded, rates: Rates) -> Fraction:
         total += TAKE_BYTES * samples
     for port in task.outputs:
         content = {"whole": port.message.bytes, "hash": HASH_BYTES, "stamp": 0}[port.kind]
-        total += port.burst * (TAKE_BYTES + content)
+        samples = Fraction(port.burst)
+        if rates.usual and port.min_interval_us:
+            samples = min(samples, _period_us(rates, task.name) / port.min_interval_us)
+        total += samples * (TAKE_BYTES + content)
     return total + (TAKE_BYTES + HASH_BYTES if task.params else 0)  # of one node at a time
 
 

@@ -288,7 +288,7 @@ def rates_of(arguments: argparse.Namespace) -> dict[str, object]:
     if arguments.no_record or not has_logger(plan):
         return {}
     return {
-        "recording_bytes_per_s": bytes_per_second(plan),
+        "recording_bytes_per_s": bytes_per_second(plan, usual=True),
         "storage_bytes_per_s": storage_bytes_per_second(plan),
         "storage_board": plan.graph.board.name,
     }

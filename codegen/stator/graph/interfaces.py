@@ -105,6 +105,7 @@ def _ports(sources: Sources, record: Record, key: str) -> dict[str, Port]:
                 message=message,
                 optional=value.value("optional", False),
                 burst=value.value("burst", 1),
+                min_interval_us=value.value("min_interval", 0),
                 doc=value.value("doc", ""),
             )
     return ports

@@ -60,6 +60,7 @@ class Port:
     message: Message
     optional: bool  # an input
     burst: int  # of an output: the highest number of publications in one activation
+    min_interval_us: int  # of an output that is published seldom: the usual mean time; else 0
     doc: str
 
 

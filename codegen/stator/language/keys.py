@@ -261,6 +261,12 @@ OUTPUT_PORT = Struct(
             "The highest number of publications in one activation; 1 if left out. Any more are "
             "refused and counted. Readers of the same or a lower priority need this depth.",
         ),
+        "min_interval": Key(
+            Period(),
+            "Of an output that is published seldom: the shortest usual mean time between two "
+            "publications. The rate of a recording that `fly` shows is computed with it; nothing "
+            "in flight depends on it.",
+        ),
         "doc": _PORT_DOC,
     }
 )

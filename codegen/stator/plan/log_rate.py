@@ -27,9 +27,9 @@ def logger_of(graph: Graph) -> Node | None:
     return next((node for node in graph.nodes.values() if node.interface.reads_log), None)
 
 
-def logged_bytes(topics: Mapping[str, TopicPlan]) -> Fraction:
-    """Bytes of samples in a second."""
-    return sum((rate * size for rate, size in _samples(topics)), Fraction(0))
+def logged_bytes(topics: Mapping[str, TopicPlan], rates: Rates | None = None) -> Fraction:
+    """Bytes of samples in a second; `rates`: of topics, in place of those of the plan."""
+    return sum((rate * size for rate, size in _samples(topics, rates)), Fraction(0))
 
 
 def block_bytes(graph: Graph, topics: Mapping[str, TopicPlan]) -> Fraction:
@@ -97,16 +97,21 @@ def _kilobytes(rate: Fraction) -> str:
     return f"{float(rate) / 1000:.0f} kB/s"
 
 
-def _samples(topics: Mapping[str, TopicPlan]) -> list[tuple[Fraction, int]]:
+def _samples(
+    topics: Mapping[str, TopicPlan], rates: Rates | None = None
+) -> list[tuple[Fraction, int]]:
     """Logged samples in a second, and the bytes of each, by topic."""
     return [
-        (
-            SECOND_US / Fraction(topic.log_us or topic.period_us or 1000),
-            LOGGED_BYTES + topic.message.bytes,
-        )
+        (SECOND_US / _logged_period(topic, rates), LOGGED_BYTES + topic.message.bytes)
         for topic in topics.values()
         if topic.log_us is not None
     ]
+
+
+def _logged_period(topic: TopicPlan, rates: Rates | None) -> Fraction:
+    if rates is None or topic.owner:
+        return Fraction(topic.log_us or topic.period_us or 1000)
+    return max(Fraction(topic.log_us or 0), rates.topic(topic.name) or Fraction(1000))
 
 
 def _data_bytes(graph: Graph) -> int:

@@ -12,8 +12,10 @@ if TYPE_CHECKING:
 class Rates:
     """Mean periods, as far as the triggers define them. None: unknown."""
 
-    def __init__(self, graph: Graph) -> None:
+    def __init__(self, graph: Graph, *, usual: bool = False) -> None:
+        """`usual`: what a node publishes seldom counts with the `min_interval` of its output."""
         self.graph = graph
+        self.usual = usual
         self._periods: dict[str, Fraction | None] = {}
         self._of_topics: dict[str, Fraction | None] = {}
         for name in publishers_first(graph):
@@ -27,12 +29,18 @@ class Rates:
         """Mean time between publications, one for each activation of a publisher."""
         if name not in self._of_topics:
             sums = [
-                _sum_of_rates([self._periods.get(node) for node in together])
+                _sum_of_rates([self._of_publisher(node, name) for node in together])
                 for together in self._at_one_time(self.graph.topics[name].publishers)
             ]
             known = [period for period in sums if period is not None]
             self._of_topics[name] = min(known) if known and len(known) == len(sums) else None
         return self._of_topics[name]
+
+    def _of_publisher(self, node: str, topic: str) -> Fraction | None:
+        period = self._periods.get(node)
+        outputs = self.graph.nodes[node].outputs.values() if self.usual else ()
+        least = max((o.port.min_interval_us for o in outputs if o.topic == topic), default=0)
+        return max(period or Fraction(0), Fraction(least)) or None
 
     def _at_one_time(self, nodes: tuple[str, ...]) -> list[list[str]]:
         """For each mode that runs any of the nodes: those that it runs."""

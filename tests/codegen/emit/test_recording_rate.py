@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
+from stator import HOME
 from stator.diagnostics import UserError
-from stator.emit.recording import check_recording_rate, stream_bytes
+from stator.emit.recording import (
+    bytes_per_second,
+    check_recording_rate,
+    storage_bytes_per_second,
+    stream_bytes,
+)
 from stator.pipeline import make_plan
 from stator.plan.plan import Plan
+from stator.plan.rates import Rates
 
 TOPICS = 230
 
@@ -66,3 +75,37 @@ def test_the_storage_has_a_record_for_each_block(tmp_path: Path) -> None:
     plan = planned(tmp_path, "5 ms")
     stored = plan.task("log_sink").level
     assert stream_bytes(plan)[stored] >= 1024
+
+
+def plan_of(name: str) -> Plan:
+    return make_plan(str(HOME / "graph" / f"{name}.yaml"), None)
+
+
+@pytest.mark.parametrize("name", ["quad", "quad_outdoor"])
+def test_the_card_of_the_board_takes_it(name: str) -> None:
+    graph = plan_of(name)
+    stored = storage_bytes_per_second(graph)
+    assert stored is not None
+    assert bytes_per_second(graph, usual=True) < stored
+
+
+def test_an_output_that_is_published_seldom_counts_with_its_interval() -> None:
+    graph = plan_of("quad_outdoor")
+    worst, usual = Rates(graph.graph), Rates(graph.graph, usual=True)
+    assert usual.topic("mission_items") == 100_000
+    assert worst.topic("mission_items") == worst.node("mission0")
+    # Both stations and terminals ask the node of parameters, each at most so often.
+    assert usual.topic("parameter_request") == Fraction(100_000, 2)
+    assert usual.topic("sensor_gyro") == worst.topic("sensor_gyro")
+    assert bytes_per_second(graph, usual=True) < bytes_per_second(graph)
+
+
+def test_a_longer_interval_takes_less_by_its_samples() -> None:
+    """Of a log piece: tag, number and 264 bytes, 10 times a second; none of it is logged."""
+    graph = plan_of("quad_outdoor")
+    sink = graph.graph.nodes["log_sink"]
+    output = sink.outputs["piece"]
+    seldom = replace(output, port=replace(output.port, min_interval_us=200_000))
+    before = bytes_per_second(graph, usual=True)
+    sink.outputs["piece"] = seldom
+    assert before - bytes_per_second(graph, usual=True) == pytest.approx(5 * 266, abs=1)
