@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from stator.graph.model import Graph
 
 MAX_PANELS = 12
-STYLES = ("-", (0, (4, 2)))  # of the first log, and of the second
+# Of two flights, the second is a thin line upon the first one's broad and pale one.
+WIDTHS, STRENGTHS = (2.6, 1.0), (0.4, 1.0)
 ELEMENT = re.compile(r"(.+)\[\d+\]")
 
 
@@ -160,11 +161,12 @@ def _paint(axes: Axes, log: ULog, quantity: Quantity, number: int, logs: list[Pa
         label = column if not alone else ""
         if len(logs) > 1:
             label = f"{'AB'[number]}{' ' if label else ''}{label}"
+        both = len(logs) > 1
         axes.plot(
             time_s,
             values,
             color=LINES[(number if alone else i) % len(LINES)],
-            ls=STYLES[number],
-            lw=1.0,
+            lw=WIDTHS[number] if both else 1.0,
+            alpha=STRENGTHS[number] if both else 1.0,
             label=label,
         )
