@@ -78,9 +78,10 @@ def responses(jobs: Sequence[Job]) -> list[Response | None]:
 
 
 class Processor:
-    """Jobs, the most urgent first, those of a level in their planned order."""
+    """Jobs, the most urgent first, those of a level in their planned order. `others`: less urgent
+    ones that are not bounded, but may have begun."""
 
-    def __init__(self, jobs: Sequence[Job]) -> None:
+    def __init__(self, jobs: Sequence[Job], others: Sequence[Job] = ()) -> None:
         self._jobs = list(jobs)
         rows = [(job, stream) for job in jobs for stream in job.streams]
         self._period = _column(stream.period for _, stream in rows)
@@ -93,7 +94,7 @@ class Processor:
         # The first job of each job's level, and the end of the level.
         begin: dict[int, int] = {}
         self._begin = [begin.setdefault(job.level, i) for i, job in enumerate(jobs)]
-        self._blocker = _blockers(jobs)
+        self._blocker = _blockers([*jobs, *others])
         loads = (Fraction(s.count * job.cost, s.period) for job, s in rows)
         load = list(accumulate(loads, initial=Fraction(0)))
         self._load = [load[end] for end in self._first[1:]]

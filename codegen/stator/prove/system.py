@@ -159,7 +159,8 @@ class System:
         for name in self._order:
             seen[name] = self._wakes(name, known, seen, done, own)
         entries = self._entries[:count]
-        processor = Processor([self._job(entry, seen.get(entry.name, ())) for entry in entries])
+        all_jobs = [self._job(entry, seen.get(entry.name, ())) for entry in self._entries]
+        processor = Processor(all_jobs[:count], all_jobs[count:])
         jobs, blamed = [], {}
         for i, entry in reversed(list(enumerate(entries))):
             name = entry.name
@@ -176,8 +177,7 @@ class System:
                     if self._place[other] < i:
                         streams = tuple(wake.stream for wake in seen[other])
                         processor.replace_streams(self._place[other], streams)
-        rest = (self._job(entry, seen.get(entry.name, ())) for entry in self._entries[count:])
-        return Solution((*reversed(jobs), *rest), done, blamed, own)
+        return Solution((*reversed(jobs), *all_jobs[count:]), done, blamed, own)
 
     def _wakers(self, name: str) -> list[str]:
         """The jobs that wake a task."""
