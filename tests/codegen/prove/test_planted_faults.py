@@ -43,7 +43,7 @@ FAULTS = {
         system, "stream = stream.late(response.late(wake.stream))", "pass", 0
     ),
     "a handler takes no time": Fault(
-        system, "cost = costs.dispatch_ns + len(lines) * costs.line_ns", "cost = 1", 0
+        system, "cost = costs.dispatch_ns + len(lines) * costs.line_ns", "cost = 1", 5
     ),
     "a level is preempted by its own first tasks": Fault(
         response, "end = self._first[i]\n", "end = self._first[self._begin[i]]\n", 0
