@@ -40,6 +40,7 @@ COMMANDS = (
     Command("graph", "graphviz", "draw a graph"),
     Command("explain", "", "explain when a node runs, and why"),
     Command("prove", "", "prove that no task and no chain of a graph can be late"),
+    Command("whatif", "", "show which bounds move if a rate, a priority or a budget changes"),
     Command("measure", "all", "measure budgets in the emulator, for prove"),
     Command("new", "", "write a new app or graph"),
     Command("fly", "host", "fly a graph in simulation and judge the flight"),

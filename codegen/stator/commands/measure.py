@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import subprocess
 import sys
 from typing import TYPE_CHECKING, Any
@@ -24,9 +25,10 @@ EMULATED_BOARD = "qemu_f405"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_graph_arguments(parser)
     parser.add_argument(
-        "flight",
-        nargs="*",
-        help="after --: arguments of ./stator emulate, such as --mission or --wind",
+        "--flight",
+        default="",
+        metavar="ARGUMENTS",
+        help='of ./stator emulate, for example --flight="--wind 8 --seed 3"',
     )
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
@@ -43,7 +45,7 @@ def main(arguments: argparse.Namespace) -> int:
             f"{shown_path(board.file)}"
         )
     emulated = make_plan(arguments.graph, EMULATED_BOARD).board
-    figures = _fly(arguments.graph, arguments.flight)
+    figures = _fly(arguments.graph, shlex.split(arguments.flight))
     new: dict[str, Row] = {}
     missing: dict[str, str] = {}
     for row in figures:
