@@ -23,7 +23,8 @@ void Mavlink::configure(const MavlinkParams& params) {
     const std::array<int32_t, kLinks> roles{params.role1, params.role2};
     for (unsigned i = 0; i < kLinks; ++i) {
         lines_[i].link.set_own(own_);
-        lines_[i].streams.use(static_cast<Role>(roles[i]));
+        lines_[i].role = static_cast<Role>(roles[i]);
+        lines_[i].streams.use(lines_[i].role);
     }
 }
 
@@ -114,6 +115,7 @@ void Mavlink::handle(unsigned number, const mav::Frame& frame, MavlinkPorts& por
             if (control_.handle(number, frame, own_, telemetry_, ports)) return;
             if (plans_.handle(link(number), number, frame, ports)) return;
             if (files_.handle(link(number), number, frame, ports.now)) return;
+            if (consoles_.handle(link(number), number, lines_[number].role, frame, ports)) return;
             parameters_.handle(link(number), number, frame, ports);
             return;
     }
@@ -182,6 +184,7 @@ void Mavlink::step(MavlinkPorts& ports) {
     plans_.step(lines_, ports);
     parameters_.step(lines_, ports);
     files_.step(lines_, ports);
+    consoles_.step(lines_, ports);
     tell_reached(ports);
     for (unsigned i = 0; i < kLinks; ++i) {
         if (link(i).is_open()) tell_due(i, ports);

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "consoles.hpp"
 #include "control.hpp"
 #include "files.hpp"
 #include "link.hpp"
@@ -54,6 +55,7 @@ class Mavlink {
     struct Line {
         Link link;
         Streams streams;
+        Role role = Role::kGround;
     };
 
     void configure(const MavlinkParams& params);
@@ -85,6 +87,7 @@ class Mavlink {
     MissionTransfer plans_;
     ParameterTransfer parameters_;
     Files files_;
+    Consoles consoles_;
     mav::Address own_{1, kComponent};
     Pending pending_;
     int32_t reached_ = -1;  // the item that was told last

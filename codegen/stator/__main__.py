@@ -53,6 +53,7 @@ COMMANDS = (
     Command("listener", "", "print the samples of a topic of a running vehicle"),
     Command("perf", "", "show the measured times of a running vehicle beside their bounds"),
     Command("param", "", "list, change, save and load the parameters of a running vehicle"),
+    Command("shell", "", "type commands to a running vehicle: top, listener, param"),
     Command("plot", "", "draw plots of a flight from its log"),
     Command("compare", "", "show what differs between two flights, and draw both"),
     Command("replay", "host", "repeat a recorded flight and compare every sample"),

@@ -71,6 +71,7 @@ RULES = {
     "params-id": "two parameters have the same id, or the same key of their records",
     "log-many": "more than one logger",
     "log-rate": "a logger that runs too rarely for what is logged",
+    "observer-level": "a node that reads the whole graph is not at the lowest level",
     "log-large": "a message is too large to be logged",
     # failsafe tables
     "failsafe-total": "a failsafe table lacks a mode or an event, or has an unknown one",

@@ -5,6 +5,8 @@
 
 #include "stator/answers.hpp"
 #include "stator/cortex_m.hpp"
+#include "stator/observe.hpp"
+#include "stator/one_core_copy.hpp"
 
 namespace stator {
 
@@ -12,32 +14,26 @@ const Transport* link_transport = nullptr;
 
 namespace {
 
-constexpr unsigned kMaxTries = 4;
+TaskCounters figures_below(const TaskCounters& counters) {
+    return figures_below_tasks(counters, [](const uint32_t& counter) {
+        return __atomic_load_n(&counter, __ATOMIC_RELAXED);
+    });
+}
 
-// Without a pin, as no slot is planned for this reader: a publisher may write meanwhile, but its
-// commit tells it. Gives up after some tries, as if there were no sample.
 void put_sample(Writer& out, unsigned index) {
     const Topic& topic = *program.topics[index];
+    const auto bytes = std::min(topic.sample_bytes, kMaxSampleBytes);
+    uint32_t number = 0;
     out.put(static_cast<uint16_t>(index));
-    for (unsigned i = 0; i < kMaxTries; ++i) {
-        Writer body = out;
-        const uint32_t head = head_of(topic).load();
-        Pin pin;
-        if (!take_latest(topic, 0, pin, false)) break;
-        const auto bytes = std::min(topic.sample_bytes, kMaxSampleBytes);
-        body.put(head);
-        body.put(sample_of(topic, pin), bytes);
-        if (head_of(topic).load() != head) continue;
-        out = body;
-        return;
-    }
-    out.put(uint32_t{0});
+    Writer body = out;
+    body.put(number);
+    if (!copy_newest_below(topic, body.at(), bytes, number)) return out.put(uint32_t{0});
+    out.put(number);
+    out.skip(bytes);
 }
 
 TaskCounters figures_of(unsigned task) {
-    return figures_below_tasks(*program.tasks[task].counters, [](const uint32_t& counter) {
-        return __atomic_load_n(&counter, __ATOMIC_RELAXED);
-    });
+    return figures_below(*program.tasks[task].counters);
 }
 
 size_t answer(const uint8_t* request, size_t count, uint8_t* body) {
@@ -69,6 +65,22 @@ size_t answer(const uint8_t* request, size_t count, uint8_t* body) {
 Link link_of_firmware(answer);
 
 }  // namespace
+
+TaskCounters figures_of(const ObservedTask& task) {
+    return figures_below(*task.counters);
+}
+
+uint32_t observed_ticks_hz() {
+#ifdef STATOR_COUNTERS
+    return board::kTickSource.hz;
+#else
+    return 0;
+#endif
+}
+
+bool copy_newest(const Topic& topic, uint8_t* to, size_t bytes, uint32_t& number) {
+    return copy_newest_below(topic, to, bytes, number);
+}
 
 void serve_link() {
     if (link_transport != nullptr) link_of_firmware.serve(*link_transport);

@@ -16,6 +16,7 @@
 #include "figures.hpp"
 #include "internal.hpp"
 #include "stator/host.hpp"
+#include "stator/observe.hpp"
 #include "stator/running.hpp"
 
 namespace stator {
@@ -269,6 +270,18 @@ TaskCounters figures_of(unsigned task) {
     TaskCounters counters;
     while (!figures[task].read(counters)) sched_yield();
     return counters;
+}
+
+TaskCounters figures_of(const ObservedTask& task) {
+    return figures_of(task.index);
+}
+
+uint32_t observed_ticks_hz() {
+#ifdef STATOR_COUNTERS
+    return 1'000'000'000;
+#else
+    return 0;
+#endif
 }
 
 const Task* unended_task(unsigned level) {

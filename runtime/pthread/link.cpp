@@ -25,6 +25,7 @@
 
 #include "internal.hpp"
 #include "stator/answers.hpp"
+#include "stator/observe.hpp"
 
 namespace stator {
 

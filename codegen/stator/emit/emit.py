@@ -60,6 +60,11 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
         files["metadata.cpp"] = _render("metadata.cpp.j2", graph, files=metadata.files(plan))
     if plan.graph.modes is not None:
         files["modes.cpp"] = _render("modes.cpp.j2", graph, modes=rows.modes(plan), recorded=record)
+    if any(task.reads_graph for task in tasks):
+        observed = rows.observed(plan)
+        files["graph_table.cpp"] = _render(
+            "graph_table.cpp.j2", graph, tasks=tasks, topics=observed
+        )
     log = rows.log(plan)
     if log is not None:
         files["log_table.cpp"] = _render(

@@ -85,6 +85,9 @@ def slots(plan: Plan, topic: TopicPlan) -> int:
         for task in plan.tasks:
             if task.node.interface.reads_log:
                 holds[task.node.name][kind] += 1
+    for task in plan.tasks:
+        if task.node.interface.reads_graph:
+            holds[task.node.name]["latest"] = max(holds[task.node.name]["latest"], 1)
     modes = plan.graph.modes
     for name in topic.publishers:
         holds[name]["loan"] = 1

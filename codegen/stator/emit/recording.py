@@ -84,7 +84,8 @@ def recorded_tasks(plan: Plan) -> list[Recorded]:
 
 def _of_task(plan: Plan, task: Task) -> Recorded:
     node = task.node
-    kind = "driver" if node.device is not None else "app"
+    is_driver = node.device is not None or node.interface.reads_graph
+    kind = "driver" if is_driver else "app"
     kind = "logger" if node.interface.reads_log else kind
     inputs = [
         Port(key, i.topic, node.way_of(i), 0, plan.topics[i.topic].message)

@@ -332,6 +332,26 @@ def log(plan: Plan) -> LogRow | None:
     )
 
 
+@dataclass(frozen=True)
+class ObservedTopicRow:
+    name: str
+    format: str
+    bytes: int
+
+
+def observed(plan: Plan) -> list[ObservedTopicRow]:
+    """The topics that people know: parameters of nodes have commands of their own."""
+    return [
+        ObservedTopicRow(
+            topic.name,
+            _log_format(topic.message),
+            sum(field.bytes for field in _logged_fields(topic.message)),
+        )
+        for topic in sorted(plan.topics.values(), key=lambda topic: topic.name)
+        if not topic.owner
+    ]
+
+
 def _logged_fields(message: Message) -> tuple[Field, ...]:
     """Without the padding at the end, which readers of ULog do not expect in the data."""
     last = message.fields[-1]
@@ -514,8 +534,8 @@ def build(plan: Plan, files: dict[str, str]) -> BuildRow:
 
 
 def replay_build(plan: Plan, files: dict[str, str]) -> BuildRow:
-    """No driver and no logger; the executor brings its own program."""
-    apps = {name: app for name, app in _apps(plan).items() if not app.reads_log}
+    """No driver and no observer; the executor brings its own program."""
+    apps = {name: app for name, app in _apps(plan).items() if not app.is_observer}
     return _build(plan, "replay", HOME / "runtime" / "replay", "", files, apps)
 
 

@@ -88,6 +88,7 @@ class TaskRow:
     queues: list[InputRow]
     outputs: list[OutputRow]
     reads_log: bool
+    reads_graph: bool
     publishes_params: bool
     reads_metadata: bool
     is_replayed: bool
@@ -202,9 +203,10 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
             for key, o in node.outputs.items()
         ],
         reads_log=interface.reads_log,
+        reads_graph=interface.reads_graph,
         publishes_params=interface.publishes_params,
         reads_metadata=interface.reads_metadata,
-        is_replayed=device is None and not interface.reads_log,
+        is_replayed=device is None and not interface.is_observer,
         keeps_now=keeps_now,
         is_gated=is_gated(plan, planned),
         switches_mode=modes is not None and modes.publisher == node.name,

@@ -24,7 +24,12 @@ if TYPE_CHECKING:
 
 
 # Keys that add a port to the node, and the name of that port.
-GIVEN_PORTS = {"reads_log": "log", "publishes_params": "parameters", "reads_metadata": "metadata"}
+GIVEN_PORTS = {
+    "reads_log": "log",
+    "reads_graph": "graph",
+    "publishes_params": "parameters",
+    "reads_metadata": "metadata",
+}
 
 
 def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> Interface | None:
@@ -65,6 +70,7 @@ def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> 
         outputs=outputs,
         params=params,
         reads_log=record.value("reads_log", False),
+        reads_graph=record.value("reads_graph", False),
         publishes_params=record.value("publishes_params", False),
         reads_metadata=record.value("reads_metadata", False),
         needs_timer=record.value("needs_timer", False),
@@ -75,13 +81,14 @@ def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> 
 
 
 def _check_params_publisher(record: Record, report: Report, *, is_app: bool) -> None:
-    """A replay must run this node, and it runs neither drivers nor the logger."""
-    if not is_app or record.value("reads_log", False):
+    """A replay must run this node, and it runs neither drivers nor observers."""
+    is_observer = record.value("reads_log", False) or record.value("reads_graph", False)
+    if not is_app or is_observer:
         report.error(
             record.keys["publishes_params"],
             "params-publisher",
-            "expected an app that does not read the log, found "
-            + ("a logger" if is_app else "a device class"),
+            "expected an app that reads neither the log nor the graph, found "
+            + ("one that does" if is_app else "a device class"),
             "move the key `publishes_params` to an app of its own",
         )
 

@@ -117,12 +117,18 @@ class Interface:
     outputs: dict[str, Port]
     params: dict[str, Param]
     reads_log: bool
+    reads_graph: bool
     publishes_params: bool
     reads_metadata: bool
     needs_timer: bool
     double_precision: str  # why it is needed; empty: it is not used
     failsafe: Failsafe | None
     params_message: Message | None
+
+    @property
+    def is_observer(self) -> bool:
+        """Of an app: a replay does not run it, as what it reads is not recorded."""
+        return self.reads_log or self.reads_graph
 
     @property
     def class_name(self) -> str:

@@ -309,6 +309,12 @@ INTERFACE = Struct(
         "reads_log": Key(
             Boolean(), "true: the node reads every logged topic through a generated table."
         ),
+        "reads_graph": Key(
+            Boolean(),
+            "true: the node reads what tasks have counted and the newest samples of all topics "
+            "through a generated table. It must be at the lowest level. A replay repeats its "
+            "outputs and does not run it.",
+        ),
         "publishes_params": Key(
             Boolean(), "true: the node changes and publishes the parameters of all nodes."
         ),

@@ -82,6 +82,7 @@ def plan(graph: Graph, board: Board) -> Plan:
         other = _order(graph, board, levels, report)
         replanned = [t.node.name for t in other] != [t.node.name for t in tasks]
         tasks = other
+    _check_observers(tasks, report)
     if board.executor == "pthread":
         _check_level_sizes(tasks, board, report)
     topics = plan_topics(graph, levels, rates, report)
@@ -149,6 +150,20 @@ def _order(graph: Graph, board: Board, levels: dict[str, int], report: Report) -
         begin = tasks[-1].level_begin if same else index
         tasks.append(Task(graph.nodes[name], levels[name], index, begin, vectors.get(name)))
     return tuple(tasks)
+
+
+def _check_observers(tasks: tuple[Task, ...], report: Report) -> None:
+    """On one core, a task that runs below all publishers needs no slot to copy a sample."""
+    least = tasks[-1].level if tasks else 0
+    for task in tasks:
+        if task.node.interface.reads_graph and task.level > least:
+            report.error(
+                task.node.mark,
+                "observer-level",
+                f"expected the lowest priority for '{task.node.name}', which reads the whole "
+                f"graph, found {task.level}, above '{tasks[-1].node.name}' with {least}",
+                f"write `priority: {least}`, or give the other nodes more",
+            )
 
 
 def _check_level_sizes(tasks: tuple[Task, ...], board: Board, report: Report) -> None:

@@ -36,6 +36,9 @@ class Writer {
         put(count);
         put(text, count);
     }
+    // Room that another one fills.
+    uint8_t* at() const { return at_; }
+    void skip(size_t count) { at_ += count; }
     size_t count() const { return static_cast<size_t>(at_ - begin_); }
 
   private:

@@ -102,10 +102,6 @@ bool is_real_time();  // the levels have SCHED_FIFO
 // line on the standard error output, if there can be none.
 [[nodiscard]] bool offer_link(const char* path);
 
-// Copies at most `bytes` of a topic's newest sample, as the link does, and says its number. False:
-// there is none. The thread of `wait_until`.
-bool copy_newest(const Topic& topic, uint8_t* to, size_t bytes, uint32_t& number);
-
 enum class Ending { kTime, kStopped, kSignal };
 // Waits until time `end_us`, `stop()`, or a signal; meanwhile, looks for life signs.
 Ending wait_until(uint64_t end_us);

@@ -167,6 +167,7 @@ class MavlinkTest : public ::testing::Test {
                            .downloaded = item_ ? Input(*item_) : Input<MissionItem>(),
                            .parameter = parameter_ ? Input(*parameter_) : Input<ParameterValue>(),
                            .parameter_file = piece_ ? Input(*piece_) : Input<FilePiece>(),
+                           .printed = printed_ ? Input(*printed_) : Input<ShellText>(),
                            .params = Input(params_, is_first_),
                            .metadata = &metadata_};
         Everything<SerialBytes> first(ports.send1, now_us_, Link::kPieces);
@@ -180,7 +181,11 @@ class MavlinkTest : public ::testing::Test {
         Everything<StationHeartbeat> beats(ports.station, now_us_, 1);
         Everything<RestartRequest> restarts(ports.restart, now_us_, 1);
         Everything<FileRequest> wanted_pieces(ports.file_request, now_us_, 1);
+        Everything<ShellText> typed(ports.typed, now_us_, 5);
         node_.step(ports);
+        EXPECT_EQ(ports.typed.refused(), 0);
+        printed_.reset();
+        for (const ShellText& text : typed.all()) take(text);
         EXPECT_EQ(ports.restart.refused(), 0);
         restarts_ += restarts.all().size();
         EXPECT_EQ(ports.station_sticks.refused() + ports.offboard.refused(), 0);
@@ -303,6 +308,23 @@ class MavlinkTest : public ::testing::Test {
         piece_ = piece;
     }
 
+    // A shell that prints what was typed.
+    void take(const ShellText& text) {
+        std::string& typed = shell_.at(text.console);
+        if (text.is_new) typed.clear();
+        if (text.is_new) ++new_consoles_;
+        typed.append(text.data.begin(), text.data.begin() + text.length);
+        if (!text.wants_text) return;
+        ++wants_;
+        if (!shell_answers_) return;
+        ShellText printed{.console = text.console, .tag = text.tag};
+        printed.length = static_cast<uint8_t>(std::min<std::size_t>(typed.size(), 70));
+        std::copy_n(typed.begin(), printed.length, printed.data.begin());
+        typed.erase(0, printed.length);
+        printed.has_more = !typed.empty();
+        printed_ = printed;
+    }
+
     void answer(const MissionRequest& wanted) {
         const auto list = static_cast<unsigned>(wanted.list);
         ++device_reads_;
@@ -380,6 +402,11 @@ class MavlinkTest : public ::testing::Test {
     };
     std::vector<Parameter> parameters_;
     std::optional<ParameterValue> parameter_;
+    std::optional<ShellText> printed_;
+    std::array<std::string, 2> shell_;  // what it has yet to print
+    unsigned new_consoles_ = 0;
+    unsigned wants_ = 0;
+    bool shell_answers_ = true;
     unsigned questions_ = 0;
     bool knows_parameters_ = true;
     std::vector<uint8_t> pack_;  // the file of all parameters

@@ -1,5 +1,6 @@
 // What is particular to the ring between threads: its words, and what each race may do to it. Races
 // are made by hand here, step by step; the stress makes them by chance.
+#include "stator/observe.hpp"
 #include "stator/pthread.hpp"
 #include "topic_rig.hpp"
 

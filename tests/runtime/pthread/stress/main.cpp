@@ -10,6 +10,7 @@
 #include "apps/hammer/hammer.hpp"
 #include "internal.hpp"
 #include "stator/answers.hpp"
+#include "stator/observe.hpp"
 #include "stator/pthread.hpp"
 #include "tasks.hpp"
 #include "topics.hpp"

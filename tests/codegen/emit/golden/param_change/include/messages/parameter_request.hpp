@@ -14,6 +14,7 @@ struct ParameterRequest {
         kCan = 1,
         kLink = 2,
         kMavlink = 3,
+        kShell = 4,
     };
 
     enum class Action : uint8_t {

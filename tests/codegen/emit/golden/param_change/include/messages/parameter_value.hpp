@@ -14,6 +14,7 @@ struct ParameterValue {
         kCan = 1,
         kLink = 2,
         kMavlink = 3,
+        kShell = 4,
     };
 
     enum class Result : uint8_t {
