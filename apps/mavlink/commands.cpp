@@ -49,12 +49,24 @@ void Mavlink::handle_request_message(const Request& request, uint32_t id, Mavlin
     if (outcome == result::kAccepted) telemetry_.tell(id, to, ports);
 }
 
+// One by its number, or all. A station waits for each that the answer promises, so they come as the
+// line has room.
+void Mavlink::handle_request_modes(const Request& request) {
+    const auto number = math::saturate<uint32_t>(request.param[1]);
+    if (number > kModesToChoose) return answer(request, result::kDenied);
+    Line& line = lines_[request.link];
+    line.mode_next = static_cast<uint8_t>(number == 0 ? 0 : number - 1);
+    line.mode_end = static_cast<uint8_t>(number == 0 ? kModesToChoose : number);
+    answer(request, result::kAccepted);
+}
+
 void Mavlink::handle_command(const Request& request, MavlinkPorts& ports) {
     const auto& p = request.param;
     Line& line = lines_[request.link];
     const auto id = math::saturate<uint32_t>(p[0]);
     switch (request.command) {
         case cmd::kRequestMessage:
+            if (id == mav::AvailableModes::kId) return handle_request_modes(request);
             return handle_request_message(request, id, ports);
         case cmd::kGetHomePosition:
             return handle_request_message(request, mav::HomePosition::kId, ports);

@@ -150,6 +150,9 @@ void Mavlink::tell_due(unsigned number, const MavlinkPorts& ports) {
     if (line.streams.take(mav::Heartbeat::kId, ports.now)) {
         telemetry_.tell(mav::Heartbeat::kId, line.link, ports);
     }
+    if (line.mode_next != line.mode_end && line.link.has_room_for_bulk()) {
+        Telemetry::tell_mode(line.mode_next++, line.link);
+    }
     for (unsigned i = 0; i < kStreamsAtOnce && line.link.has_room_for_streams(); ++i) {
         const uint16_t id = line.streams.take_due(ports.now);
         if (id == kNoStream) return;
@@ -174,7 +177,10 @@ void Mavlink::step(MavlinkPorts& ports) {
     telemetry_.update(ports);
     for (Line& line : lines_) {
         line.link.refill(dt);
-        if (telemetry_.is_status_new()) line.streams.hasten(mav::Heartbeat::kId, ports.now);
+        if (telemetry_.is_status_new()) {
+            line.streams.hasten(mav::Heartbeat::kId, ports.now);
+            line.streams.hasten(mav::CurrentMode::kId, ports.now);
+        }
         if (telemetry_.is_mission_new()) line.streams.hasten(mav::MissionCurrent::kId, ports.now);
     }
     receive(0, ports.received1, ports);

@@ -56,6 +56,9 @@ class Mavlink {
         Link link;
         Streams streams;
         Role role = Role::kGround;
+        // Modes that a station waits for: from this number on, below the other.
+        uint8_t mode_next = 0;
+        uint8_t mode_end = 0;
     };
 
     void configure(const MavlinkParams& params);
@@ -71,6 +74,7 @@ class Mavlink {
     // commands.cpp
     void handle_command(const Request& request, MavlinkPorts& ports);
     void handle_request_message(const Request& request, uint32_t id, MavlinkPorts& ports);
+    void handle_request_modes(const Request& request);
     void handle_flight_command(const Request& request, MavlinkPorts& ports);
     void restart(const Request& request, MavlinkPorts& ports);
     void set_mode(const Request& request, uint32_t main, uint32_t sub, MavlinkPorts& ports);

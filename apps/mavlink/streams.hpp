@@ -26,6 +26,7 @@ inline constexpr std::array kStreams{
     Stream{mav::HomePosition::kId, 2000, 1000},   Stream{mav::SystemTime::kId, 2000, 1000},
     Stream{mav::Altitude::kId, 1000, 200},        Stream{mav::AttitudeQuaternion::kId, 0, 100},
     Stream{mav::HighresImu::kId, 1000, 200},      Stream{mav::Odometry::kId, 0, 0},
+    Stream{mav::CurrentMode::kId, 2000, 2000},
 };
 
 // The streams of one link.

@@ -17,6 +17,7 @@ using Nav = VehicleStatus::NavState;
 constexpr float kDegree = math::kPi<float> / 180.0F;
 constexpr float kNan = math::canonical_nan<float>();
 constexpr uint16_t kUnknown16 = UINT16_MAX;
+constexpr uint32_t kAutoMode = 4;                                    // MAV_MODE_PROPERTY_AUTO_MODE
 constexpr std::string_view kGeneralUri = "mftp://etc/general.json";  // as file_source.hpp has it
 constexpr double kStandardPressure = 101325.0;                       // Pa
 
@@ -385,6 +386,18 @@ Told Telemetry::tell_sensors(uint32_t id, Link& link, const MavlinkPorts& ports)
     return sent(link, message);
 }
 
+void Telemetry::tell_mode(unsigned number, Link& link) {
+    const FlightMode& mode = mode_to_choose(number);
+    mav::AvailableModes message{.custom_mode = custom_mode(mode),
+                                .properties = mode.is_manual ? 0U : kAutoMode,
+                                .number_modes = kModesToChoose,
+                                .mode_index = static_cast<uint8_t>(number + 1),
+                                .standard_mode = mode.standard};
+    const std::string_view name = mode.name;
+    std::ranges::copy(name, message.mode_name.begin());
+    link.send(message);
+}
+
 Told Telemetry::tell_status(uint32_t id, Link& link, const MavlinkPorts& ports) const {
     switch (id) {
         case mav::Heartbeat::kId:
@@ -400,6 +413,12 @@ Told Telemetry::tell_status(uint32_t id, Link& link, const MavlinkPorts& ports) 
             return knows_home_ ? sent(link, home_position(ports.now)) : Told::kNothing;
         case mav::MissionCurrent::kId:
             return sent(link, mission_);
+        case mav::CurrentMode::kId: {
+            if (!ports.status) return Told::kNothing;
+            const FlightMode& mode = mode_of(ports.status->nav_state);
+            return sent(link, mav::CurrentMode{.custom_mode = custom_mode(mode),
+                                               .standard_mode = mode.standard});
+        }
         default:
             return Told::kUnknown;
     }

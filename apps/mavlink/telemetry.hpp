@@ -21,6 +21,8 @@ class Telemetry {
     // Once in each activation, before anything is told.
     void update(const MavlinkPorts& ports);
     Told tell(uint32_t id, Link& link, const MavlinkPorts& ports) const;
+    // One of the modes that can be chosen, by its number from 0 on.
+    static void tell_mode(unsigned number, Link& link);
 
     // Whether armed state, mode or what they follow from is another one than in the activation
     // before.

@@ -54,6 +54,50 @@ TEST_F(MavlinkTest, ANewModeIsToldAtOnce) {
     EXPECT_NE(beat.base_mode & mav::mav_mode_flag::kSafetyArmed, 0U);
 }
 
+TEST_F(MavlinkTest, TellsAllModesThatCanBeChosen) {
+    line_.bytes_per_s = 600;  // one second for all
+    run(1.0);
+    forget();
+    send_command(mav::mav_cmd::kRequestMessage, {435.0F});
+    run(10.0);
+    EXPECT_EQ(results(mav::mav_cmd::kRequestMessage), (std::vector<int>{kAccepted}));
+    const auto modes = heard<mav::AvailableModes>();
+    ASSERT_EQ(modes.size(), 10U);
+    for (unsigned i = 0; i < modes.size(); ++i) {
+        EXPECT_EQ(modes[i].number_modes, 10U);
+        EXPECT_EQ(modes[i].mode_index, i + 1);
+        EXPECT_NE(modes[i].standard_mode != 0, modes[i].mode_name[0] != '\0');
+        const auto byte = [&](unsigned shift) {
+            return static_cast<float>(modes[i].custom_mode >> shift & 0xFFU);
+        };
+        send_command(mav::mav_cmd::kDoSetMode, {1.0F, byte(16), byte(24)});
+        run(0.1);
+    }
+    EXPECT_EQ(results(mav::mav_cmd::kDoSetMode), std::vector<int>(10, kAccepted));
+    EXPECT_EQ(commands_.size(), 10U);
+}
+
+TEST_F(MavlinkTest, TellsOneModeByItsNumber) {
+    run(1.0);
+    send_command(mav::mav_cmd::kRequestMessage, {435.0F, 6.0F});
+    send_command(mav::mav_cmd::kRequestMessage, {435.0F, 11.0F});
+    run(1.0);
+    EXPECT_EQ(results(mav::mav_cmd::kRequestMessage), (std::vector<int>{kAccepted, kDenied}));
+    const auto modes = heard<mav::AvailableModes>();
+    ASSERT_EQ(modes.size(), 1U);
+    EXPECT_EQ(modes[0].mode_index, 6);
+    EXPECT_EQ(modes[0].standard_mode, 6);  // mission
+    EXPECT_EQ(modes[0].properties, 4U);    // flies by itself
+}
+
+TEST_F(MavlinkTest, TellsTheModeOfNow) {
+    status_.nav_state = Nav::kMission;
+    run(3.0);
+    const auto mode = heard<mav::CurrentMode>().back();
+    EXPECT_EQ(mode.standard_mode, 6);
+    EXPECT_EQ(mode.custom_mode, heard<mav::Heartbeat>().back().custom_mode);
+}
+
 TEST_F(MavlinkTest, IntervalsBelongToTheLineThatAsked) {
     is_open_ = {true, true};
     run(1.0);
