@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from tests.flight.mavlink.client import SOURCE, run_python
-from tests.flight.mavlink.vehicle import Station, flying, free_port
+from tests.flight.mavlink.vehicle import Station, flying, free_port, wait_until_it_talks
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -16,6 +16,7 @@ SPEED = ("--speed", "5")
 def test_its_steps(tmp_path: Path) -> None:
     port = free_port()
     with flying(tmp_path / "mavproxy.ulg", "--mavlink", f"udp:{port}", *SPEED) as facts:
+        wait_until_it_talks(port)
         station = Station(f"udpin:127.0.0.1:{port}")  # MAVProxy does not wait for good health
         station.connect()
         station.wait_until_armable()

@@ -71,6 +71,14 @@ def in_background(work: Callable[[threading.Event], None]) -> Iterator[None]:
         thread.join()
 
 
+def wait_until_it_talks(port: int) -> None:
+    """A vehicle that is not built yet takes its time, which no client waits for."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", port))
+        probe.settimeout(10.0 * HANGS_S)
+        probe.recv(1)
+
+
 # Frame, command, four parameters, x, y, z.
 Item = tuple[int, int, float, float, float, float, int, int, float]
 
