@@ -16,6 +16,7 @@ from stator.plan.plan import plan
 from stator.prove.proof import Proof, prove
 
 HORIZON = 15_000_000
+MOST_LOAD = 2.0  # bursts that wake bursts: unread samples without end
 
 
 def compare(folder: Path, seed: int) -> tuple[list[str], list[float]]:
@@ -25,6 +26,8 @@ def compare(folder: Path, seed: int) -> tuple[list[str], list[float]]:
     graph = folder / "small.yaml"
     graph.write_text(text_of(nodes), encoding="utf-8")
     proof = prove(plan(*check(graph)))
+    if proof.load > MOST_LOAD:
+        return [], []
     bounds = late(proof)
     needed = {(q.topic, q.reader): q.needed for q in proof.queues}
     broken: list[str] = []
