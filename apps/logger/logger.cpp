@@ -58,7 +58,7 @@ void Logger::step(LoggerPorts& ports) {
         write_events(ports);
         write_samples(ports);
         if (changes != nullptr) write_changes(ports, *changes);
-        if (ports.log->recording != nullptr) write_recording(ports);
+        if (const RecordingTable* table = ports.log->recording) write_recording(ports, *table);
     }
     if (ports.now - flushed_us_ >= kFlushInterval_us) flush(ports);
     previous_us_ = ports.now;

@@ -43,9 +43,9 @@ class Logger {
 
     // recording.cpp
     enum class Kind : uint8_t { kStream = 0x00, kDefinition = 0x10, kGap = 0x20, kCheck = 0x30 };
-    void write_recording(LoggerPorts& ports);
-    void write_stream(LoggerPorts& ports, unsigned level);
-    void write_gap(LoggerPorts& ports, unsigned level);
+    void write_recording(LoggerPorts& ports, const RecordingTable& table);
+    void write_stream(LoggerPorts& ports, RecordStream& stream, unsigned level);
+    void write_gap(LoggerPorts& ports, uint32_t lost, unsigned level);
     void write_check(LoggerPorts& ports);
     void begin_recorded(LoggerPorts& ports, Kind kind, unsigned level, size_t bytes);
     void check_block();

@@ -17,8 +17,7 @@ constexpr size_t kMinChunk = 32;  // less of a stream is not worth a message at 
 }  // namespace
 
 // What finds no room in this activation's blocks waits for the next one.
-void Logger::write_recording(LoggerPorts& ports) {
-    const RecordingTable& table = *ports.log->recording;
+void Logger::write_recording(LoggerPorts& ports, const RecordingTable& table) {
     for (; recorded_ < table.definition_count && has_room(); ++recorded_) {
         const char* text = table.definitions[recorded_];
         const size_t bytes = std::strlen(text);
@@ -26,14 +25,14 @@ void Logger::write_recording(LoggerPorts& ports) {
         write(ports, text, bytes);
     }
     for (unsigned level = 0; level < table.stream_count; ++level) {
-        write_stream(ports, level);
-        write_gap(ports, level);
+        RecordStream& stream = *table.streams[level];
+        write_stream(ports, stream, level);
+        write_gap(ports, stream.lost(), level);
     }
     if (has_room()) write_check(ports);
 }
 
-void Logger::write_stream(LoggerPorts& ports, unsigned level) {
-    RecordStream& stream = *ports.log->recording->streams[level];
+void Logger::write_stream(LoggerPorts& ports, RecordStream& stream, unsigned level) {
     for (uint32_t left = stream.available(); left != 0 && has_room();) {
         if (used_ + kHead + std::min<size_t>(left, kMinChunk) > kBlockBytes) flush(ports);
         const size_t room = kBlockBytes - used_ - kHead;
@@ -45,8 +44,7 @@ void Logger::write_stream(LoggerPorts& ports, unsigned level) {
     }
 }
 
-void Logger::write_gap(LoggerPorts& ports, unsigned level) {
-    const uint32_t lost = ports.log->recording->streams[level]->lost();
+void Logger::write_gap(LoggerPorts& ports, uint32_t lost, unsigned level) {
     if (lost == gaps_[level] || !has_room()) return;
     gaps_[level] = lost;
     begin_recorded(ports, Kind::kGap, level, sizeof lost);

@@ -81,8 +81,8 @@ class Mavlink {
     void command(const Request& request, const VehicleCommand& wish, MavlinkPorts& ports);
     VehicleCommand go_to(const Request& request) const;
     float height_of(float z, uint8_t frame) const;
-    void answer(const Request& request, uint32_t result);
-    void acknowledge(unsigned number, mav::Address to, uint16_t command, uint32_t result);
+    void answer(const Request& request, uint32_t outcome);
+    void acknowledge(unsigned number, mav::Address to, uint16_t command, uint32_t outcome);
     void take_answers(MavlinkPorts& ports);
 
     std::array<Line, kLinks> lines_;

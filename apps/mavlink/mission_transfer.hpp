@@ -69,7 +69,7 @@ class MissionTransfer {
     void take(Link& link, mav::Address from, const mav::MissionItemInt& item, MavlinkPorts& ports);
     void ask_next(Link& link, uint64_t now_us);
     void go_on(Link& link, MavlinkPorts& ports);
-    void end(Link& link, uint32_t result, uint32_t opaque_id);
+    void end(Link& link, uint32_t outcome, uint32_t opaque_id);
     void tell_count(Link& link, mav::Address to, uint8_t list, const MavlinkPorts& ports) const;
     void ask_device(unsigned line, mav::Address to, uint8_t list, uint16_t index, bool is_float,
                     Link& link, MavlinkPorts& ports);
@@ -77,7 +77,7 @@ class MissionTransfer {
     void answer_download(Link& link, unsigned line, MavlinkPorts& ports);
     void clear(Link& link, unsigned line, mav::Address from, uint8_t list, MavlinkPorts& ports);
     void open_list(MavlinkPorts& ports);
-    static void acknowledge(Link& link, mav::Address to, uint8_t list, uint32_t result,
+    static void acknowledge(Link& link, mav::Address to, uint8_t list, uint32_t outcome,
                             uint32_t opaque_id = 0);
 
     Upload upload_;

@@ -60,7 +60,7 @@ class ParameterTransfer {
     void tell(Link& link, const ParameterValue& value) const;
     void end(const ParameterValue& value);
     void refuse(Link& link, const mav::Address& to, const std::array<char, kIdLength>& id,
-                int16_t index, uint32_t error) const;
+                int16_t index, uint32_t why) const;
 
     std::array<Question, kQueue> queue_{};
     unsigned begin_ = 0;

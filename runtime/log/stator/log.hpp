@@ -57,7 +57,8 @@ struct LogTable {
 #ifdef STATOR_RECORDING
     const RecordingTable* recording = nullptr;
 #else
-    static constexpr const RecordingTable* recording = nullptr;  // so that none of its code is left
+    // A constant, so that none of its code is left. NOLINTNEXTLINE(readability-identifier-naming)
+    static constexpr const RecordingTable* recording = nullptr;
 #endif
 };
 
