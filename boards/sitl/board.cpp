@@ -5,6 +5,7 @@
 #include "devices.hpp"
 #include "flight.hpp"
 #include "hand_over.hpp"
+#include "outside.hpp"
 #include "sensors.hpp"
 #include "stator/virtual.hpp"
 #include "world/can_bus.hpp"
@@ -20,7 +21,9 @@ using drivers::can::sim::CanSim;
 using drivers::motor::sim::MotorSim;
 using drivers::nonvolatile::sim::NonvolatileSim;
 
+// Of one flight: our own world, or the outside one in its place.
 std::optional<world::World> the_world;
+Outside* outside = nullptr;
 world::CanBus can_bus;
 std::optional<Sensors> sensors;
 std::optional<world::CanParts> can_parts;
@@ -31,7 +34,12 @@ std::array<std::uint8_t, NonvolatileSim::kBytes> nonvolatile_memory{};
 
 // The register write of the motor driver. Time may have passed since the newest event.
 void write_motors(const MotorSim::Control& control) {
-    the_world->command_motors(executor.now_us, {control[0], control[1], control[2], control[3]});
+    const std::array four{control[0], control[1], control[2], control[3]};
+    if (outside != nullptr) {
+        outside->command_motors(four);
+    } else {
+        the_world->command_motors(executor.now_us, four);
+    }
 }
 
 void send_on_can(const CanSim::Frame& frame) {
@@ -94,9 +102,14 @@ void record_truth() {
     truth_was_written = world::write_truth(truth_file, *the_world) && truth_was_written;
 }
 
-}  // namespace
+void advance_outside(std::uint64_t now_us) {
+    if (outside->time_us() > now_us) return;
+    Samples samples;
+    outside->take(samples);
+    hand_over(samples, Give{});
+}
 
-void prepare(const world::Conditions& conditions, std::FILE* mission, std::FILE* truth) {
+void connect_devices(std::FILE* mission) {
     mission_file = mission;
     mission0.read = [](std::uint32_t address, std::span<std::uint8_t> bytes) {
         return seek_mission(address) &&
@@ -106,16 +119,8 @@ void prepare(const world::Conditions& conditions, std::FILE* mission, std::FILE*
         return seek_mission(address) &&
                std::fwrite(bytes.data(), 1, bytes.size(), mission_file) == bytes.size();
     };
-    the_world.emplace(conditions);
-    sensors.emplace(*the_world);
-    can_parts.emplace(*the_world, [](const dronecan::Frame& frame, std::uint64_t now_us) {
-        can_bus.send(frame, world::CanBus::Sender::kParts, now_us);
-    });
-    truth_file = truth;
-    truth_was_written = truth == nullptr || world::write_truth_head(truth);
     system0.restart = stop;
     motors.write = write_motors;
-    can1.send = send_on_can;
     nonvolatile0.read = [](std::uint32_t address, std::span<std::uint8_t> bytes) {
         std::copy_n(nonvolatile_memory.begin() + address, bytes.size(), bytes.begin());
         return true;
@@ -126,6 +131,26 @@ void prepare(const world::Conditions& conditions, std::FILE* mission, std::FILE*
     };
 }
 
+}  // namespace
+
+void prepare(const world::Conditions& conditions, std::FILE* mission, std::FILE* truth) {
+    connect_devices(mission);
+    the_world.emplace(conditions);
+    sensors.emplace(*the_world);
+    can_parts.emplace(*the_world, [](const dronecan::Frame& frame, std::uint64_t now_us) {
+        can_bus.send(frame, world::CanBus::Sender::kParts, now_us);
+    });
+    truth_file = truth;
+    truth_was_written = truth == nullptr || world::write_truth_head(truth);
+    can1.send = send_on_can;
+}
+
+void prepare(Outside& other, std::FILE* mission) {
+    connect_devices(mission);
+    outside = &other;
+    truth_was_written = true;
+}
+
 const world::World& world() {
     return *the_world;
 }
@@ -134,10 +159,22 @@ bool truth_is_whole() {
 }
 
 std::uint64_t next_event_us() {
+    if (outside != nullptr) return outside->next_event_us(executor.now_us);
     return std::min(the_world->next_event_us(), can_bus.next_event_us());
 }
 
+bool is_over() {
+    const bool ends = outside != nullptr ? outside->is_over() || !outside->problem().empty()
+                                         : the_world->is_over();
+    return ends || world::ending_signal.load() != 0;
+}
+
 void advance(std::uint64_t now_us) {
+    if (outside != nullptr) {
+        advance_outside(now_us);
+        if (is_over()) stop();
+        return;
+    }
     while (next_event_us() <= now_us) {
         if (can_bus.next_event_us() < the_world->next_event_us()) {
             finish_can_frame();
@@ -148,7 +185,7 @@ void advance(std::uint64_t now_us) {
         run_can_parts();
         record_truth();
     }
-    if (the_world->is_over() || world::ending_signal.load() != 0) stop();
+    if (is_over()) stop();
 }
 
 }  // namespace stator::board

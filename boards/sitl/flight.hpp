@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "outside.hpp"
 #include "world/world.hpp"
 
 namespace stator::board {
@@ -11,7 +12,11 @@ namespace stator::board {
 // `truth`, which takes the true flight, may be null.
 void prepare(const world::Conditions& conditions, std::FILE* mission, std::FILE* truth);
 
+// The same, with the world of another simulator.
+void prepare(Outside& other, std::FILE* mission);
+
 const world::World& world();
+bool is_over();
 bool truth_is_whole();
 
 }  // namespace stator::board

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -80,14 +81,19 @@ void fly_on_without_log() {
     return true;
 }
 
+// False after one line that says what is wrong.
+[[nodiscard]] bool connect(board::Outside& outside, const char* place) {
+    const std::string wrong = outside.connect(place);
+    if (wrong.empty()) return true;
+    std::fprintf(stderr, "error: --hil '%s': %s\n", place, wrong.c_str());
+    return false;
+}
+
 // Not faster than real time times the speed. Only the host's clock waits; the flight is the same.
 void run_paced(const world::Options& options) {
     constexpr std::uint64_t kSlice_us = 10'000;
     const auto begin = std::chrono::steady_clock::now();
-    const auto is_over = [] {
-        return board::world().is_over() || board::system0.restarts ||
-               world::ending_signal.load() != 0;
-    };
+    const auto is_over = [] { return board::is_over() || board::system0.restarts; };
     for (std::uint64_t now_us = 0; now_us < options.duration_us && !is_over();) {
         now_us = std::min(now_us + kSlice_us, options.duration_us);
         run_until(now_us);
@@ -145,8 +151,21 @@ Run run(const world::Options& options, const std::vector<std::uint32_t>& budgets
     return true;
 }
 
+// With the keys of a flight in our own world.
+void print_outside_facts(const board::Outside& outside, double wall_s) {
+    const char* ended = outside.is_over() ? "motors_stopped" : "time_limit";
+    if (board::system0.restarts) ended = "restart";
+    if (!outside.problem().empty()) ended = "problem";
+    std::fprintf(host::facts, "\"ended\": \"%s\", \"simulated_s\": %0.6F, \"wall_s\": %0.6F, ",
+                 ended, static_cast<double>(outside.time_us()) * 1e-6, wall_s);
+    std::fprintf(host::facts, "\"problem\": \"%s\", \"motors_have_run\": %s, ",
+                 outside.problem().c_str(), outside.motors_have_run() ? "true" : "false");
+    std::fprintf(host::facts, "\"motors_are_stopped\": %s",
+                 outside.motors_are_stopped() ? "true" : "false");
+}
+
 // One line of JSON.
-void print(const Run& run) {
+void print(const Run& run, const board::Outside* outside) {
     std::fprintf(host::facts, "{\"activations\": %llu, \"lost_samples\": %llu, ",
                  static_cast<unsigned long long>(run.activations),
                  static_cast<unsigned long long>(run.lost_samples));
@@ -159,7 +178,11 @@ void print(const Run& run) {
     std::fprintf(
         host::facts, "\"missed_life_signs\": %llu, ",
         static_cast<unsigned long long>(missed_life_signs(program.watched, program.watched_count)));
-    world::print_flight_facts(host::facts, board::world(), run.wall_s, board::system0.restarts);
+    if (outside != nullptr) {
+        print_outside_facts(*outside, run.wall_s);
+    } else {
+        world::print_flight_facts(host::facts, board::world(), run.wall_s, board::system0.restarts);
+    }
     std::fputs("}\n", host::facts);
 }
 
@@ -186,8 +209,15 @@ int main(int count, char** arguments) {
     if (!open_mavlink(options)) return 2;
     world::end_by_signals();
     if (!silence_nodes(options.conditions.faults)) return 2;
-    board::prepare(options.conditions, mission, truth);
-    print(run(options, budgets));
+    std::optional<board::Outside> outside;
+    if (options.hil == nullptr) {
+        board::prepare(options.conditions, mission, truth);
+    } else {
+        outside.emplace(options.conditions);
+        if (!connect(*outside, options.hil)) return 2;
+        board::prepare(*outside, mission);
+    }
+    print(run(options, budgets), outside ? &*outside : nullptr);
     const bool log_written = close(options.log, board::log_storage.file,
                                    board::log_storage.errors == 0, board::log_storage.reason);
     const bool truth_written = close(options.truth, truth, board::truth_is_whole());

@@ -154,6 +154,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--truth") return read_path("--truth", value, options.truth);
     if (option == "--mission") return read_path("--mission", value, options.mission);
     if (option == "--mavlink") return add_mavlink(value, options);
+    if (option == "--hil") return read_path("--hil", value, options.hil);
     if (option == "--speed") return read_speed(value, options.speed);
     if (option == "--pilot") return read_pilot(value, options.conditions.pilot);
     if (option == "--seed") {
@@ -176,7 +177,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
         "--wind M_S, "
         "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
         "--pilot FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR, "
-        "--mavlink PLACE\n",
+        "--mavlink PLACE, --hil PLACE\n",
         option.data());
     return false;
 }

@@ -18,6 +18,7 @@ struct Options {
     // end of its own.
     std::array<const char*, 2> mavlink{};
     unsigned mavlink_count = 0;
+    const char* hil = nullptr;  // the other side of a link with HIL messages; none: no such link
     bool random_times = false;
     const char* budgets = nullptr;  // TASK=MICROSECONDS, with commas; none: activations take none
     Conditions conditions{};
