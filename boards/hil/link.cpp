@@ -115,7 +115,8 @@ std::string Link::listen(const char* place) {
         bind(listener, generic(address), sizeof address) == 0 && ::listen(listener, 1) == 0;
     std::string wrong = listens ? "" : std::strerror(errno);
     while (listens && descriptor_ < 0 && !is_ending()) {
-        if (can_read(listener, kLook)) descriptor_ = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
+        if (can_read(listener, kLook))
+            descriptor_ = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
     }
     if (listener >= 0) ::close(listener);
     if (descriptor_ >= 0) send_at_once(descriptor_);

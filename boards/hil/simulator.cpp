@@ -56,6 +56,7 @@ class Simulator {
             hear();
             keep_pace();
         }
+        if (!link_.is_open()) end_alone();
     }
 
     void print(double wall_s) const {
@@ -68,7 +69,19 @@ class Simulator {
   private:
     bool is_over() const {
         return world_.is_over() || world_.next_event_us() > options_.duration_us ||
-               *problem_ != '\0' || world::ending_signal.load() != 0;
+               !link_.is_open() || *problem_ != '\0' || world::ending_signal.load() != 0;
+    }
+
+    // An autopilot that goes away after the landing has ended the flight; the motors stand still.
+    void end_alone() {
+        if (!world_.plant().is_on_ground())
+            problem_ = "the autopilot closed the connection in flight";
+        if (!world_.watch().take_off_us())
+            problem_ = "the autopilot closed the connection before the take-off";
+        std::array<float, world::kRotors> stopped;
+        stopped.fill(math::canonical_nan<float>());
+        world_.command_motors(world_.time_us(), stopped);
+        while (*problem_ == '\0' && !world_.is_over()) move();
     }
 
     void move() {
@@ -103,9 +116,10 @@ class Simulator {
         const milliseconds most = is_lockstep_ ? kHangs : is_starting_ ? kStarts : milliseconds{4};
         const auto end = std::chrono::steady_clock::now() + most;
         for (bool is_heard = false; !is_heard;) {
-            const auto left = std::chrono::duration_cast<milliseconds>(
-                end - std::chrono::steady_clock::now());
-            const auto frame = link_.next(waits ? std::max(left, milliseconds{0}) : milliseconds{0});
+            const auto left =
+                std::chrono::duration_cast<milliseconds>(end - std::chrono::steady_clock::now());
+            const auto frame =
+                link_.next(waits ? std::max(left, milliseconds{0}) : milliseconds{0});
             if (!frame) break;
             if (frame->id != mav::HilActuatorControls::kId) continue;
             obey(mav::decode<mav::HilActuatorControls>(frame->payload));
@@ -113,9 +127,7 @@ class Simulator {
             has_answered_ = true;
         }
         is_starting_ = false;
-        if (!link_.is_open()) {
-            problem_ = "the autopilot closed the connection";
-        } else if (is_lockstep_ && std::chrono::steady_clock::now() >= end) {
+        if (is_lockstep_ && std::chrono::steady_clock::now() >= end) {
             problem_ = "the autopilot has not answered for 60 s";
         }
     }
@@ -237,6 +249,7 @@ int main(int count, char** arguments) {
     simulator.fly();
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
     simulator.print(wall.count());
-    const bool is_whole = truth == nullptr || (std::fclose(truth) == 0 && simulator.truth_is_whole());
+    const bool is_whole =
+        truth == nullptr || (std::fclose(truth) == 0 && simulator.truth_is_whole());
     return is_whole ? 0 : 1;
 }

@@ -48,8 +48,7 @@ std::string Outside::connect(const char* place) {
 
 std::uint8_t Outside::mode() const {
     using namespace mav::mav_mode_flag;
-    return static_cast<std::uint8_t>(kCustomModeEnabled |
-                                     (motors_are_stopped_ ? 0 : kSafetyArmed));
+    return static_cast<std::uint8_t>(kCustomModeEnabled | (motors_are_stopped_ ? 0 : kSafetyArmed));
 }
 
 void Outside::send_heartbeat() {
@@ -94,8 +93,8 @@ bool Outside::accept(const mav::HilSensor& sensor) {
     is_first_ = false;
     const std::uint64_t newest_us = first_us_ + time_us_;
     if (sensor.time_usec < newest_us || sensor.time_usec - newest_us > kMostStep_us) {
-        end(text("HIL_SENSOR.time_usec: expected %" PRIu64 " us, or at most 60 s more, found %" PRIu64
-                 " us",
+        end(text("HIL_SENSOR.time_usec: expected %" PRIu64
+                 " us, or at most 60 s more, found %" PRIu64 " us",
                  newest_us, sensor.time_usec));
         return false;
     }
@@ -134,8 +133,8 @@ void Outside::take_sensor(Samples& samples) {
         samples.imu0 = {1, {.timestamp_sample = time_us_, .gyro_B = gyro, .accel_B = accel}};
     }
     if (has(s, hil::kMag) && are_finite({s.xmag, s.ymag, s.zmag})) {
-        samples.mag0 = {
-            1, {.timestamp_sample = time_us_, .field_B_gauss = {s.xmag, s.ymag, s.zmag}}};
+        samples.mag0 = {1,
+                        {.timestamp_sample = time_us_, .field_B_gauss = {s.xmag, s.ymag, s.zmag}}};
     }
     if (has(s, hil::kBaro) && are_finite({s.abs_pressure, s.temperature})) {
         constexpr float kPascals = 100.0F;  // in a hectopascal
@@ -190,8 +189,8 @@ void Outside::take_parts(Samples& samples) {
     }
     if (battery_timer_.take(time_us_)) {
         const world::Battery full{world::BatteryParameters{}};
-        samples.battery0 = {
-            1, {.voltage_v = static_cast<float>(full.voltage()), .remaining = 1.0F}};
+        samples.battery0 = {1,
+                            {.voltage_v = static_cast<float>(full.voltage()), .remaining = 1.0F}};
     }
 }
 

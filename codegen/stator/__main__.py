@@ -44,6 +44,7 @@ COMMANDS = (
     Command("measure", "all", "measure budgets in the emulator, for prove"),
     Command("new", "", "write a new app or graph"),
     Command("fly", "host", "fly a graph in simulation and judge the flight"),
+    Command("simulate", "host", "be the simulator of another autopilot, by HIL messages"),
     Command("debug", "debugger", "fly a graph under a debugger, stopped where a node steps"),
     Command("run", "host", "run a graph in real time on this machine"),
     Command("build", "all", "build the firmware of a graph and show its size"),

@@ -112,6 +112,13 @@ def build_chip_server() -> Path:
     return folder / "boards" / "chip" / "chip_server"
 
 
+def build_hil_simulator() -> Path:
+    """Builds the simulated world of another autopilot."""
+    folder = HOME / "build" / "plant"
+    configure(folder, ["-DSTATOR_TESTS=OFF"], ["hil_simulator"])
+    return folder / "boards" / "hil" / "hil_simulator"
+
+
 def short_name(file: Path) -> str:
     """The name of a graph or mission; with a hash of its place if it is not one of Stator's own, as
     another project may have one of the same name."""

@@ -32,6 +32,7 @@ from stator.flight.arguments import (
     words_of,
 )
 from stator.flight.facts import NOT_WHOLE, alone, facts_of, keep, mission_facts
+from stator.flight.hil import add_hil_argument, check_hil, complete_hil, hil_facts, hil_options
 from stator.flight.kept import keeping, kept_facts, log_of
 from stator.flight.mavlink import (
     add_mavlink_argument,
@@ -69,13 +70,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="highest speed, as a multiple of real time (default: no limit; with --mavlink 1)",
     )
     add_mavlink_argument(parser)
+    add_hil_argument(parser)
 
 
 def main(arguments: argparse.Namespace) -> int:
     """0 if the flight was successful; 1 if it failed or could not be judged."""
+    complete_hil(arguments)
     complete_mavlink(arguments)
     mission = complete(arguments)
     check_mavlink(arguments)
+    check_hil(arguments)
     faults = faults_of(arguments)
     params = params_of(arguments)
     variant = {} if arguments.times == "zero" else PREEMPTION
@@ -92,7 +96,7 @@ def main(arguments: argparse.Namespace) -> int:
         serial_lines(arguments),
         keeping(log, arguments) as kept,
         alone(log),
-        progress(name, truth, arguments.duration),
+        progress(name, None if arguments.hil else truth, arguments.duration),
     ):
         finished, heard = _run(program, log, truth, arguments, mission, times)
         cut = cut_of(arguments, heard)
@@ -105,12 +109,17 @@ def main(arguments: argparse.Namespace) -> int:
             mission,
             cut=cut,
             program=program,
-            judges=is_judged(arguments),
+            judges=arguments.hil is None and is_judged(arguments),
             is_guided=bool(arguments.mavlink),
             is_recorded=is_recorded(arguments),
             in_wind=is_windy(arguments),
             setting=setting_of(arguments, mission),
         )
+    if arguments.hil is not None:
+        facts["truth"] = None
+        if facts["success"]:
+            run = json.loads(finished.stdout)
+            facts |= hil_facts(run, cut, is_guided=bool(arguments.mavlink))
     if heard and not arguments.mavlink and facts["success"]:  # nothing was judged
         facts |= {"success": False, "reason": cut}
     facts |= kept_facts(kept) | mission_facts(arguments, mission)
@@ -139,7 +148,8 @@ def _run(
     times: list[str],
 ) -> tuple[subprocess.CompletedProcess[str], signal.Signals | None]:
     """The end of the program, and the signal that asked for it."""
-    command = [str(program), "--log", str(log), "--truth", str(truth)]
+    command = [str(program), "--log", str(log), *hil_options(arguments)]
+    command += ["--truth", str(truth)] if arguments.hil is None else []
     command += [*flight_options(arguments), *times, *mavlink_options(arguments)]
     if arguments.speed is not None:
         command += ["--speed", f"{arguments.speed:.6f}"]

@@ -80,7 +80,13 @@ def add_flight_arguments(parser: argparse.ArgumentParser, board: str, what: str)
         metavar="FILE",
         help="mission to fly: YAML, or a ground station's .plan or waypoints (docs/missions.md)",
     )
-    _add_world_arguments(parser)
+    world = add_world_arguments(parser)
+    world.add_argument(
+        "--pilot",
+        type=path,
+        metavar="FILE",
+        help="script of the pilot's sticks and switches (docs/simulation.md)",
+    )
 
 
 def add_times_argument(parser: argparse.ArgumentParser) -> None:
@@ -93,7 +99,7 @@ def add_times_argument(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_world_arguments(parser: argparse.ArgumentParser) -> None:
+def add_world_arguments(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     world = parser.add_argument_group("the simulated world")
     world.add_argument(
         "--seed",
@@ -131,12 +137,7 @@ def _add_world_arguments(parser: argparse.ArgumentParser) -> None:
         "baro0.stuck@20+5; or random=N: N failures from the seed. Use it once for each failure; "
         "an unknown one lists what the graph has (docs/simulation.md)",
     )
-    world.add_argument(
-        "--pilot",
-        type=path,
-        metavar="FILE",
-        help="script of the pilot's sticks and switches (docs/simulation.md)",
-    )
+    return world
 
 
 def complete(arguments: argparse.Namespace) -> Mission | None:

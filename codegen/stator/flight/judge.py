@@ -224,14 +224,20 @@ def landing_problems(flight: Flight, most_m_s: float) -> list[Problem]:
         problems.append(at_end(flight, text, flight.touchdown_s))
     if not flight.truth.on_ground[-1]:
         problems.append(at_end(flight, f"the motors stopped in the air: {ending(flight)}"))
-    tilt_deg = math.degrees(math.acos(np.clip(_down_in_body(flight.truth.q[-1:])[0, 2], -1, 1)))
-    if tilt_deg > MAX_LANDED_TILT_DEG:
-        how = "upside down" if tilt_deg > UPSIDE_DOWN_DEG else "on its side"
-        text = f"landed {how}: tilted {tilt_deg:.0f} deg (limit {MAX_LANDED_TILT_DEG:g} deg)"
-        problems.append(at_end(flight, text))
+    if lies := lying(flight.truth):
+        problems.append(at_end(flight, lies))
     if flight.arming_state.size == 0 or flight.arming_state[-1] != DISARMED:
         problems.append(Problem("vehicle_status was not disarmed at the end"))
     return problems
+
+
+def lying(truth: Truth) -> str:
+    """How the vehicle came to rest, if not on its feet."""
+    tilt_deg = math.degrees(math.acos(np.clip(_down_in_body(truth.q[-1:])[0, 2], -1, 1)))
+    if tilt_deg <= MAX_LANDED_TILT_DEG:
+        return ""
+    how = "upside down" if tilt_deg > UPSIDE_DOWN_DEG else "on its side"
+    return f"landed {how}: tilted {tilt_deg:.0f} deg (limit {MAX_LANDED_TILT_DEG:g} deg)"
 
 
 def at_end(flight: Flight, text: str, time_s: float | None = None) -> Problem:

@@ -58,6 +58,7 @@ def _words(arguments: argparse.Namespace, params: list[Replaced]) -> str:
     words += [f"gusts_{arguments.gusts}"] if arguments.gusts != "none" else []
     words += ["vary"] if arguments.vary else []
     words += [f"times_{arguments.times}"] if getattr(arguments, "times", "zero") != "zero" else []
+    words += ["hil"] if getattr(arguments, "hil", None) else []
     words += [f"pilot_{arguments.pilot.stem}"] if arguments.pilot else []
     words += [*arguments.fail, *(row.option for row in params)]
     text = "".join(f"-{word}" for word in words)

@@ -34,7 +34,7 @@ def show(facts: dict[str, object], more: list[tuple[str, str]]) -> None:
 
 def flight_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
     rows = [*param_rows(facts), *_failure_rows(facts)]
-    rows += _mission_rows(facts) if facts.get("mission") else []
+    rows += _mission_rows(facts) if facts.get("mission") and "modes" in facts else []
     limits = facts.get("limits", {})
     assert isinstance(limits, dict)
     if facts["take_off_s"] is not None:
