@@ -128,10 +128,10 @@ std::optional<mav::Frame> Link::next(milliseconds most) {
     while (is_open() && !is_ending()) {
         // A frame in parts is whole when its last part comes, however late: time does not matter.
         if (auto frame = parser_.next(unread_, 0)) return frame;
-        if (left <= milliseconds{0}) return {};
         const auto begin = Clock::now();
-        const bool has_come = can_read(descriptor_, std::min(left, kLook));
+        const bool has_come = can_read(descriptor_, std::clamp(left, milliseconds{0}, kLook));
         left -= std::chrono::duration_cast<milliseconds>(Clock::now() - begin);
+        if (!has_come && left <= milliseconds{0}) return {};
         if (!has_come) continue;
         const ssize_t got = ::recv(descriptor_, buffer_.data(), buffer_.size(), 0);
         if (got < 0 && errno == EINTR) continue;

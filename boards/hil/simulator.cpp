@@ -123,7 +123,7 @@ class Simulator {
             if (!frame) break;
             if (frame->id != mav::HilActuatorControls::kId) continue;
             obey(mav::decode<mav::HilActuatorControls>(frame->payload));
-            is_heard = is_lockstep_;
+            is_heard = is_lockstep_ || waits;
             has_answered_ = true;
         }
         is_starting_ = false;
