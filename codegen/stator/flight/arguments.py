@@ -238,6 +238,7 @@ def words_of(arguments: argparse.Namespace) -> list[str]:
     words += ["--wind-from", f"{arguments.wind_from:g}"] if arguments.wind_from else []
     words += ["--gusts", arguments.gusts] if arguments.gusts != "none" else []
     words += [word for text in arguments.fail for word in ("--fail", text)]
+    words += ["--hil", arguments.hil] if getattr(arguments, "hil", None) else []
     words += ["--pilot", shown_path(arguments.pilot)] if arguments.pilot else []
     words += [word for text in arguments.param for word in ("--param", text)]
     words += ["--times", arguments.times] if arguments.times != "zero" else []
