@@ -54,7 +54,7 @@ void stop_level(unsigned level);  // once its task has ended
 [[nodiscard]] bool join_level(unsigned level, uint64_t end_us);
 // What the task had counted at the end of its newest activation. A level needs some nanoseconds to
 // write that; meanwhile, this waits. Context: a thread less urgent than all levels.
-TaskCounters figures_of(unsigned task);
+TaskCounters figures_of_task(unsigned task);
 
 // --- link.cpp: of the thread that waits for the end ---
 

@@ -266,14 +266,14 @@ LevelFacts facts_of_level(unsigned level) {
     return threads[level].has_ended() ? threads[level].facts() : LevelFacts{};
 }
 
-TaskCounters figures_of(unsigned task) {
+TaskCounters figures_of_task(unsigned task) {
     TaskCounters counters;
     while (!figures[task].read(counters)) sched_yield();
     return counters;
 }
 
 TaskCounters figures_of(const ObservedTask& task) {
-    return figures_of(task.index);
+    return figures_of_task(task.index);
 }
 
 uint32_t observed_ticks_hz() {

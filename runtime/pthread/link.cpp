@@ -67,7 +67,7 @@ size_t answer(const uint8_t* request, size_t count, uint8_t* body) {
             put_info(out, program, kNanosecondsOfCpu, clock_us());
             return out.count();
         case Request::kTasks:
-            put_tasks(out, program, clock_us(), asked.argument, figures_of);
+            put_tasks(out, program, clock_us(), asked.argument, figures_of_task);
             return out.count();
         case Request::kSample:
             if (asked.argument >= program.topic_count) return 0;

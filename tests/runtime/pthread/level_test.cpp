@@ -71,11 +71,11 @@ TEST_F(LevelTest, figures_are_of_whole_activations) {
     set_pending(kPends[0]);
     ASSERT_TRUE(testing::start_unhurried());
     ASSERT_TRUE(wait_for([&] { return is_in_the_middle.load(); }));
-    EXPECT_EQ(figures_of(0).activations, 0U);
+    EXPECT_EQ(figures_of_task(0).activations, 0U);
     may_end.store(true);
     ASSERT_TRUE(wait_until_idle(testing::kForever_us));
-    EXPECT_EQ(figures_of(0).activations, 1U);
-    EXPECT_EQ(figures_of(0).last_ticks, 1U);
+    EXPECT_EQ(figures_of_task(0).activations, 1U);
+    EXPECT_EQ(figures_of_task(0).last_ticks, 1U);
     EXPECT_TRUE(finish());
 }
 

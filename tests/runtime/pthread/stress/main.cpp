@@ -53,7 +53,7 @@ class Monitor {
         std::array<uint8_t, 1100> body;
         for (unsigned first = 0; first < program.task_count; first += kMaxTasksTold) {
             Writer out(body.data());
-            put_tasks(out, program, clock_us(), first, figures_of);
+            put_tasks(out, program, clock_us(), first, figures_of_task);
         }
     }
     uint32_t samples() const { return samples_; }
