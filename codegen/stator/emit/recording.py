@@ -267,10 +267,10 @@ def recording_row(plan: Plan, file: str) -> RecordingRow:
 
 def stream_bytes(plan: Plan) -> dict[int, int]:
     """Bytes that each level's stream holds: a power of two."""
-    rates = Rates(plan.graph)
+    rates, usual = Rates(plan.graph), Rates(plan.graph, usual=True)
     logger = logger_of(plan.graph)
     assert logger is not None
-    bytes_per_us = Fraction(bytes_per_second(plan), SECOND_US)
+    bytes_per_us = Fraction(bytes_per_second(plan, usual=True), SECOND_US)
     period = rates.node(logger.name) or Fraction(0)
     # Records wait while the definitions are written, and until the logger has caught up.
     at_once = at_once_bytes(plan.graph, plan.topics)
@@ -282,11 +282,18 @@ def stream_bytes(plan: Plan) -> dict[int, int]:
     for task in recorded_tasks(plan):
         each = _record_bytes(plan, task, rates)
         activations = Fraction(1)
+        blocks = Fraction(
+            0
+        )  # activations by blocks of the log, in which nothing seldom is published
         if _is_woken_by(logger, task):
-            activations += blocks_at_once(plan.graph) + held_us * blocks_per_us
+            blocks = blocks_at_once(plan.graph) + held_us * blocks_per_us
+            activations += held_us * (
+                1 / _period_us(rates, task.name) - 1 / period if period else 0
+            )
         elif task.kind != "parameters":
             activations += held_us / _period_us(rates, task.name)
-        sizes[task.level] = sizes.get(task.level, Fraction(0)) + each * activations
+        size = each * activations + _record_bytes(plan, task, usual) * blocks
+        sizes[task.level] = sizes.get(task.level, Fraction(0)) + size
     return {level: _power_of_two(max(Fraction(MIN_STREAM), size)) for level, size in sizes.items()}
 
 
