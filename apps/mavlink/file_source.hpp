@@ -44,8 +44,8 @@ class FileSource {
 
     bool is_free() const { return !is_asked_; }
     void ask(const Wish& wish, MavlinkPorts& ports);
-    // The answer to the last wish, once; `piece` has it. One that does not come in time is that
-    // there is no such file.
+    // The answer to the last wish, once; `piece` has it. One that does not come in time counts
+    // as `absent`.
     bool take_answer(MavlinkPorts& ports, FilePiece& piece);
 
   private:

@@ -142,7 +142,7 @@ void Navigator::advance_takeoff(const NavigatorPorts& ports) {
     if (phase_ == 0 && in_phase_s_ >= ports.params->spool_up_time) {
         const float usual_z = home_N_.z() - ports.params->takeoff_height;
         // Stations send zero for a height that they do not care about; where that is below the
-        // ground, it is no height to climb to.
+        // ground, the vehicle climbs to the usual one.
         const bool is_above = takeoff_z_ < position_N_.z() - kLowestClimb;
         const float z = is_above ? takeoff_z_ : usual_z;
         go({position_N_.x(), position_N_.y(), math::min(z, position_N_.z())}, kNaN, {});

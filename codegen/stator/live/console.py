@@ -28,7 +28,7 @@ SILENT_S = 2.0  # then the next line is sent
 
 
 def talk(place: str) -> None:
-    """Until the end of the standard input. Raises `UserError` if there is no vehicle."""
+    """Until the end of the standard input. Raises `UserError` if no vehicle answers."""
     with _connected(place) as link:
         _Session(link).run()
 

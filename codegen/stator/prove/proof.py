@@ -27,7 +27,7 @@ class TaskBound:
     level: int
     budget_ns: int
     source: str  # of the budget: one of PROVENANCES
-    response_ns: int | None  # from its release to its end; None: there is no bound
+    response_ns: int | None  # from its release to its end; None: unbounded
     deadline_ns: int
     is_stated: bool  # whether the graph gives the deadline; else it is the period
     shares: tuple[Share, ...]
@@ -135,7 +135,7 @@ def solve(plan: Plan, budgets: Mapping[str, int]) -> list[Solution]:
 def _changes_once(solution: Solution, publisher: str) -> bool:
     """Whether each busy window is over before the mode can change a second time."""
     if len(solution.responses) < len(solution.jobs):
-        return True  # there is no bound, whatever the modes do
+        return True  # unbounded, whatever the modes do
     wakes = solution.wakes[publisher]
     response = solution.responses[publisher]
     if len(wakes) != 1:

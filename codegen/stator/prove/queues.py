@@ -24,7 +24,7 @@ class QueueBound:
     topic: str
     reader: str
     depth: int
-    needed: int | None  # None: there is no bound
+    needed: int | None  # None: unbounded
 
     @property
     def lost(self) -> int | None:

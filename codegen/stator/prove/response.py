@@ -71,7 +71,7 @@ class Response:
 
 
 def responses(jobs: Sequence[Job]) -> list[Response | None]:
-    """For each job; None: there is no bound. `jobs`: the most urgent first, those of a level in
+    """For each job; None: unbounded. `jobs`: the most urgent first, those of a level in
     their planned order."""
     processor = Processor(jobs)
     return [processor.response(i) for i in range(len(jobs))]
@@ -108,7 +108,7 @@ class Processor:
             self._free[k] = not stream.distance
 
     def response(self, i: int) -> Response | None:
-        """None: there is no bound."""
+        """None: unbounded."""
         job = self._jobs[i]
         if not job.streams:
             return Response(job.cost, job.cost, job.cost, 1, 0, job.cost, job.cost)

@@ -8,18 +8,16 @@
 
 namespace stator::testing {
 
-// Connects to an output and keeps its newest sample.
+// A topic of two slots that no graph has.
 template <class Message>
-class Probe {
+class LoneTopic {
   public:
-    // `burst`: publications that it takes; a graph takes as many as the node's interface says.
-    Probe(Output<Message>& output, uint64_t now_us, uint16_t burst = UINT16_MAX) {
-        output.connect(topic_, now_us, true, burst);
-    }
-    Probe(const Probe&) = delete;
-    Probe& operator=(const Probe&) = delete;
+    LoneTopic() = default;
+    LoneTopic(const LoneTopic&) = delete;
+    LoneTopic& operator=(const LoneTopic&) = delete;
 
-    uint32_t count() const { return state_.head.load(); }
+    Topic& topic() { return topic_; }
+    uint32_t count() const { return state_.head.load(); }  // of publications
     const Message& newest() const {
         require(count() != 0, "probe: nothing was published");
         return samples_[static_cast<unsigned>(std::countl_zero(state_.history.load()))];
@@ -42,6 +40,22 @@ class Probe {
                  .slots = 2,
                  .depth = 1,
                  .ceiling = 0};
+};
+
+// Connects to an output and keeps its newest sample.
+template <class Message>
+class Probe {
+  public:
+    // `burst`: publications that it takes; a graph takes as many as the node's interface says.
+    Probe(Output<Message>& output, uint64_t now_us, uint16_t burst = UINT16_MAX) {
+        output.connect(topic_.topic(), now_us, true, burst);
+    }
+
+    uint32_t count() const { return topic_.count(); }
+    const Message& newest() const { return topic_.newest(); }
+
+  private:
+    LoneTopic<Message> topic_;
 };
 
 }  // namespace stator::testing

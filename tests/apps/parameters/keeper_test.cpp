@@ -66,7 +66,7 @@ class Life {
         : rows_(std::move(rows)), former_(std::move(former)), store_(MemoryPort{&memory}) {
         status_.short_lives = short_lives;
         Output<WingParams> output;
-        output.connect(topic_, 0, false);
+        output.connect(topic_.topic(), 0, false);
         output.publish([] { return WingParams{.gain = 0.5F, .limit = 10.0F, .count = 4}; });
     }
 
@@ -93,10 +93,8 @@ class Life {
     }
     Result set_gain(float gain) { return set("wing.gain", Type::kFloat, gain); }
 
-    const WingParams& params() const {
-        return samples_[static_cast<unsigned>(std::countl_zero(state_.history.load()))];
-    }
-    uint32_t publications() const { return state_.head.load(); }
+    const WingParams& params() const { return topic_.newest(); }
+    uint32_t publications() const { return topic_.count(); }
     const Store& store() const { return store_; }
 
     ParameterStatus report{};
@@ -160,23 +158,8 @@ class Life {
     std::optional<RecordKept> kept_;
     unsigned failures_ = 0;
     uint64_t now_us_ = 0;
-    TopicState state_{Shared<uint32_t>(all_slots(2)), {}, {}};
-    WingParams samples_[2]{};
-    Shared<uint32_t> number_[2];
-    Topic topic_{.state = &state_,
-                 .samples = samples_,
-                 .number = number_,
-                 .ring = nullptr,
-                 .subscribers = nullptr,
-                 .thinned = nullptr,
-                 .in_section = nullptr,
-                 .sample_bytes = sizeof(WingParams),
-                 .subscriber_count = 0,
-                 .thinned_count = 0,
-                 .slots = 2,
-                 .depth = 1,
-                 .ceiling = 0};
-    ParameterTopic topics_[1]{{&topic_, true}};
+    stator::testing::LoneTopic<WingParams> topic_;
+    ParameterTopic topics_[1]{{&topic_.topic(), true}};
     ParameterTable table_{.rows = rows_.data(),
                           .row_count = static_cast<uint32_t>(rows_.size()),
                           .former = former_.data(),

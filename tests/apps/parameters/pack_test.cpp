@@ -70,7 +70,7 @@ std::vector<Known> decoded(const std::vector<uint8_t>& file) {
 struct PackTest : ::testing::Test {
     PackTest() {
         Output<WingParams> output;
-        output.connect(topic, 0, false);
+        output.connect(topic.topic(), 0, false);
         output.publish([] { return WingParams{.cruise = 5.0F, .speed = 12.0F, .whole = -1}; });
     }
 
@@ -110,23 +110,8 @@ struct PackTest : ::testing::Test {
         EXPECT_EQ(answer.newest().result, ParameterValue::Result::kWritten);
     }
 
-    TopicState state{Shared<uint32_t>(all_slots(2)), {}, {}};
-    WingParams samples[2]{};
-    Shared<uint32_t> sequence[2];
-    Topic topic{.state = &state,
-                .samples = samples,
-                .number = sequence,
-                .ring = nullptr,
-                .subscribers = nullptr,
-                .thinned = nullptr,
-                .in_section = nullptr,
-                .sample_bytes = sizeof(WingParams),
-                .subscriber_count = 0,
-                .thinned_count = 0,
-                .slots = 2,
-                .depth = 1,
-                .ceiling = 0};
-    ParameterTopic topics[1]{{&topic, true}};
+    stator::testing::LoneTopic<WingParams> topic;
+    ParameterTopic topics[1]{{&topic.topic(), true}};
     ParameterTable table{.rows = kRows, .row_count = 4, .topics = topics, .topic_count = 1};
     Parameters node;
     uint64_t now_us = 0;

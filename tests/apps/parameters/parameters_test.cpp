@@ -44,32 +44,12 @@ constexpr ParameterRow kRows[] = {
 
 // A topic of parameters that has been published once, at the start.
 template <class Params>
-struct ParamsTopic {
+struct ParamsTopic : stator::testing::LoneTopic<Params> {
     explicit ParamsTopic(const Params& start) {
         Output<Params> output;
-        output.connect(topic, 0, false);
+        output.connect(this->topic(), 0, false);
         output.publish([&] { return start; });
     }
-    const Params& newest() const {
-        return samples[static_cast<unsigned>(std::countl_zero(state.history.load()))];
-    }
-
-    TopicState state{Shared<uint32_t>(all_slots(2)), {}, {}};
-    Params samples[2]{};
-    Shared<uint32_t> number[2];
-    Topic topic{.state = &state,
-                .samples = samples,
-                .number = number,
-                .ring = nullptr,
-                .subscribers = nullptr,
-                .thinned = nullptr,
-                .in_section = nullptr,
-                .sample_bytes = sizeof(Params),
-                .subscriber_count = 0,
-                .thinned_count = 0,
-                .slots = 2,
-                .depth = 1,
-                .ceiling = 0};
 };
 
 struct ParametersTest : ::testing::Test {
@@ -90,7 +70,7 @@ struct ParametersTest : ::testing::Test {
 
     ParamsTopic<WingParams> wing{{.gain = 0.5F, .count = 4}};
     ParamsTopic<TailParams> tail{{.gain = 0.25F, .address = 1}};
-    ParameterTopic topics[2]{{&wing.topic, true}, {&tail.topic, true}};
+    ParameterTopic topics[2]{{&wing.topic(), true}, {&tail.topic(), true}};
     ParameterTable table{.rows = kRows, .row_count = 5, .topics = topics, .topic_count = 2};
     Parameters node;
     uint64_t now_us = 0;
@@ -132,14 +112,14 @@ TEST_F(ParametersTest, a_change_is_one_publication_of_all_parameters_of_its_node
     EXPECT_EQ(value.result, Result::kWritten);
     EXPECT_EQ(value.float_value, 1.5F);
     EXPECT_EQ(value.float_default, 0.5F);
-    EXPECT_EQ(wing.state.head.load(), 2U);
+    EXPECT_EQ(wing.count(), 2U);
     EXPECT_EQ(wing.newest().timestamp, 1000U);
     EXPECT_EQ(wing.newest().gain, 1.5F);
     EXPECT_EQ(wing.newest().count, 4);
-    EXPECT_EQ(tail.state.head.load(), 1U) << "of the others nothing is published";
+    EXPECT_EQ(tail.count(), 1U) << "of the others nothing is published";
     set("wing.count", Type::kInt32, 0.0F, -3);
     set("wing.inverted", Type::kBool, 0.0F, 1);
-    EXPECT_EQ(wing.state.head.load(), 4U);
+    EXPECT_EQ(wing.count(), 4U);
     EXPECT_EQ(wing.newest().gain, 1.5F) << "earlier changes stay";
     EXPECT_EQ(wing.newest().count, -3);
     EXPECT_TRUE(wing.newest().inverted);
@@ -147,7 +127,7 @@ TEST_F(ParametersTest, a_change_is_one_publication_of_all_parameters_of_its_node
 
 TEST_F(ParametersTest, the_same_value_again_is_not_published) {
     EXPECT_EQ(set("wing.gain", Type::kFloat, 0.5F).result, Result::kWritten);
-    EXPECT_EQ(wing.state.head.load(), 1U);
+    EXPECT_EQ(wing.count(), 1U);
 }
 
 TEST_F(ParametersTest, what_does_not_fit_is_refused_with_the_reason) {
@@ -164,8 +144,8 @@ TEST_F(ParametersTest, what_does_not_fit_is_refused_with_the_reason) {
     EXPECT_EQ(set("wing.gai", Type::kFloat, 1.0F).result, Result::kUnknown);
     EXPECT_EQ(set("wing.gain2", Type::kFloat, 1.0F).result, Result::kUnknown);
     EXPECT_EQ(set("tail.address", Type::kInt32, 0.0F, 2).result, Result::kFixed);
-    EXPECT_EQ(wing.state.head.load(), 1U);
-    EXPECT_EQ(tail.state.head.load(), 1U);
+    EXPECT_EQ(wing.count(), 1U);
+    EXPECT_EQ(tail.count(), 1U);
     EXPECT_EQ(set("wing.gain", Type::kFloat, 3.0F).float_value, 0.5F) << "what counts is told";
 }
 

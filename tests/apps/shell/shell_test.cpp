@@ -26,7 +26,7 @@ struct Wind {
 // The node, its tables, and the node with all parameters.
 class ShellTest : public ::testing::Test {
   protected:
-    ShellTest() { wind_.connect(topic_, 0, false); }
+    ShellTest() { wind_.connect(topic_.topic(), 0, false); }
 
     void publish(const Wind& wind) {
         wind_.publish([&] { return wind; });
@@ -119,24 +119,10 @@ class ShellTest : public ::testing::Test {
     TaskCounters slow_{.activations = 7};
     std::array<ObservedTask, 2> tasks_{ObservedTask{"fast_one", &fast_, 0, 12},
                                        ObservedTask{"slow_one", &slow_, 1, 1}};
-    TopicState state_{Shared<uint32_t>(all_slots(2)), {}, {}};
-    std::array<Wind, 2> samples_{};
-    std::array<Shared<uint32_t>, 2> number_{};
-    Topic topic_{.state = &state_,
-                 .samples = samples_.data(),
-                 .number = number_.data(),
-                 .ring = nullptr,
-                 .subscribers = nullptr,
-                 .thinned = nullptr,
-                 .in_section = nullptr,
-                 .sample_bytes = sizeof(Wind),
-                 .subscriber_count = 0,
-                 .thinned_count = 0,
-                 .slots = 2,
-                 .depth = 1,
-                 .ceiling = 0};
-    std::array<ObservedTopic, 1> topics_{ObservedTopic{
-        "wind", "uint64_t timestamp;float[3] speed;int16_t count;bool gusty;", &topic_, 23}};
+    stator::testing::LoneTopic<Wind> topic_;
+    std::array<ObservedTopic, 1> topics_{
+        ObservedTopic{"wind", "uint64_t timestamp;float[3] speed;int16_t count;bool gusty;",
+                      &topic_.topic(), 23}};
     GraphTable table_{tasks_.data(), 2, topics_.data(), 1};
     Output<Wind> wind_;
     std::optional<ParameterValue> value_;
