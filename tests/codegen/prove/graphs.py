@@ -8,6 +8,7 @@ from textwrap import dedent
 
 from stator.graph.check import check
 from stator.plan.plan import Plan, plan
+from stator.prove.proof import Proof, prove
 
 PARTS = Path(__file__).with_name("parts")
 
@@ -22,3 +23,7 @@ def written(folder: Path, text: str, name: str = "small") -> Path:
 
 def planned(folder: Path, text: str) -> Plan:
     return plan(*check(written(folder, text)))
+
+
+def proved(folder: Path, text: str) -> Proof:
+    return prove(planned(folder, text))

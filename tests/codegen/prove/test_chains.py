@@ -6,9 +6,9 @@ from itertools import pairwise, product
 from math import lcm
 from pathlib import Path
 
-from tests.codegen.prove.graphs import planned
+from tests.codegen.prove.graphs import proved
 
-from stator.prove.proof import Proof, prove
+from stator.prove.proof import Proof
 
 US = 1000
 
@@ -25,10 +25,9 @@ def response(proof: Proof, name: str) -> int:
 
 
 def test_a_part_is_as_late_as_its_last_task(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           sensor0: {device: sensor0, trigger: {irq: ready, min_interarrival: 1 ms}, priority: 9,
             budget: 10 us, outputs: {sample: s}}
@@ -37,17 +36,15 @@ def test_a_part_is_as_late_as_its_last_task(tmp_path: Path) -> None:
           last: {app: stage, trigger: {topic: t}, priority: 7, budget: 30 us, inputs: {a: t}}
         chains: {all: {path: [sensor0, middle, last], deadline: 1 ms}}
         """,
-        )
     )
     # Each of them once, and not the sum of the three responses. The next sample comes 1 ms later.
     assert chain_of(proof) == (60_003, 60_003 + 1000 * US)
 
 
 def test_a_chain_may_begin_behind_another_node(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           sensor0: {device: sensor0, trigger: {irq: ready, min_interarrival: 1 ms}, priority: 2,
             budget: 500 us, outputs: {sample: s}}
@@ -56,7 +53,6 @@ def test_a_chain_may_begin_behind_another_node(tmp_path: Path) -> None:
           last: {app: stage, trigger: {topic: t}, priority: 7, budget: 30 us, inputs: {a: t}}
         chains: {all: {path: [middle, last], deadline: 1 ms}}
         """,
-        )
     )
     # Both once: while they run, sensor0 waits.
     assert chain_of(proof)[0] == 20_001 + 30_001
@@ -74,7 +70,7 @@ SAMPLED = """
 
 def test_a_sampled_link_adds_the_readers_period(tmp_path: Path) -> None:
     """Davare et al. 2007: the age is the sum of all periods and responses."""
-    proof = prove(planned(tmp_path, SAMPLED.format(2000, 5000, 100, 100)))
+    proof = proved(tmp_path, SAMPLED.format(2000, 5000, 100, 100))
     responses = response(proof, "first") + response(proof, "second")
     assert chain_of(proof) == (5000 * US + responses, (2000 + 5000) * US + responses)
 
@@ -105,10 +101,9 @@ def test_the_age_is_not_less_than_what_can_be_seen() -> None:
 
 
 def test_a_reader_that_is_thinned_waits_for_its_interval_and_a_sample(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           sensor0: {device: sensor0, trigger: {irq: ready, min_interarrival: 1 ms}, priority: 9,
             budget: 10 us, outputs: {sample: s}}
@@ -116,16 +111,14 @@ def test_a_reader_that_is_thinned_waits_for_its_interval_and_a_sample(tmp_path: 
             inputs: {a: s}}
         chains: {all: {path: [sensor0, control], deadline: 10 ms}}
         """,
-        )
     )
     assert chain_of(proof)[0] == 10_001 + (4000 + 1000) * US + response(proof, "control")
 
 
 def test_a_chain_is_bounded_in_the_modes_that_run_it(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           control: {app: chooser, trigger: {every: 100 ms}, priority: 9, budget: 1 us,
             outputs: {mode: mode}}
@@ -136,7 +129,6 @@ def test_a_chain_is_bounded_in_the_modes_that_run_it(tmp_path: Path) -> None:
         modes: {initial: first, sets: {first: [one], second: [two], third: []}}
         chains: {all: {path: [source, one], deadline: 1 ms}}
         """,
-        )
     )
     # In the change from the second mode: each of the two once more, as the change wakes it.
     reaction = chain_of(proof)[0]

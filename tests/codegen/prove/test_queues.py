@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.codegen.prove.graphs import planned
-
-from stator.prove.proof import prove
+from tests.codegen.prove.graphs import proved
 
 
 def needed(folder: Path, text: str) -> dict[str, int | None]:
-    return {queue.topic: queue.needed for queue in prove(planned(folder, text)).queues}
+    return {queue.topic: queue.needed for queue in proved(folder, text).queues}
 
 
 def test_a_trigger_needs_what_comes_within_its_response(tmp_path: Path) -> None:
@@ -41,10 +39,9 @@ def test_a_burst_waits_where_the_reader_is_less_urgent(tmp_path: Path) -> None:
 
 
 def test_a_queue_needs_what_comes_between_two_looks(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         topics: {s: {depth: 8}}
         nodes:
           source: {app: stage, trigger: {every: 1 ms}, priority: 9, budget: 10 us,
@@ -53,7 +50,6 @@ def test_a_queue_needs_what_comes_between_two_looks(tmp_path: Path) -> None:
           sink: {app: stage, trigger: {every: 4 ms}, priority: 1, budget: 300 us,
             inputs: {a: {topic: s, read: queue}}}
         """,
-        )
     )
     (queue,) = proof.queues
     # One period of 4 ms, and a response just below 4 ms.
@@ -61,16 +57,14 @@ def test_a_queue_needs_what_comes_between_two_looks(tmp_path: Path) -> None:
 
 
 def test_what_a_small_depth_can_lose(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           sensor0: {device: sensor0, trigger: {irq: ready, min_interarrival: 1 ms}, priority: 9,
             budget: 10 us, outputs: {sample: s}}
           hog: {app: stage, trigger: {every: 10 ms}, priority: 8, budget: 2500 us}
           last: {app: stage, trigger: {topic: s}, priority: 2, budget: 10 us, inputs: {a: s}}
         """,
-        )
     )
     assert [queue.lost for queue in proof.queues] == [2]

@@ -9,9 +9,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.codegen.prove.graphs import planned
+from tests.codegen.prove.graphs import proved
 
-from stator.prove.proof import Proof, prove
+from stator.prove.proof import Proof
 
 US = 1000
 
@@ -21,17 +21,15 @@ def responses(proof: Proof) -> dict[str, int | None]:
 
 
 def test_a_line_with_its_own_vector(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           sensor0: {device: sensor0, trigger: {irq: ready, min_interarrival: 1 ms},
             priority: 9, budget: 10 us}
           sensor1: {device: sensor1, trigger: {irq: ready, min_interarrival: 2 ms},
             priority: 8, budget: 20 us}
         """,
-        )
     )
     # Pins 5 to 9 share a vector, and the board has sensor2 there, too. So it is not sensor1's own.
     assert responses(proof) == {
@@ -41,10 +39,9 @@ def test_a_line_with_its_own_vector(tmp_path: Path) -> None:
 
 
 def test_lines_that_share_a_vector_are_dispatched_at_the_highest_level(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           sensor1: {device: sensor1, trigger: {irq: ready, min_interarrival: 1 ms},
             priority: 3, budget: 10 us}
@@ -52,7 +49,6 @@ def test_lines_that_share_a_vector_are_dispatched_at_the_highest_level(tmp_path:
             priority: 9, budget: 20 us}
           other: {app: stage, trigger: {every: 10 ms}, priority: 8, budget: 5 us}
         """,
-        )
     )
     both = 1000 + 2 * 200
     handler = proof.solutions[0].responses["the handler of exti9_5"]
@@ -63,15 +59,13 @@ def test_lines_that_share_a_vector_are_dispatched_at_the_highest_level(tmp_path:
 
 
 def test_a_release_is_as_late_as_the_timers_handler(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           one: {app: stage, trigger: {every: 1 ms}, priority: 2, budget: 10 us}
           two: {app: stage, trigger: {every: 2 ms}, priority: 1, budget: 20 us}
         """,
-        )
     )
     handler = 100 + 2 * 10
     blocked = 10 * US + 1 + handler  # as `one` can have begun
@@ -93,7 +87,7 @@ CHAIN = """
 
 def test_more_urgent_publishers_come_with_their_source(tmp_path: Path) -> None:
     short, long = (
-        responses(prove(planned(tmp_path, CHAIN.format(middle=8, last=7, budget=budget))))
+        responses(proved(tmp_path, CHAIN.format(middle=8, last=7, budget=budget)))
         for budget in (65, 69)
     )
     assert short == {"sensor0": 10_001, "middle": 30_002, "last": 95_003}
@@ -102,7 +96,7 @@ def test_more_urgent_publishers_come_with_their_source(tmp_path: Path) -> None:
 
 
 def test_a_less_urgent_publisher_is_as_late_as_it_responds(tmp_path: Path) -> None:
-    proof = prove(planned(tmp_path, CHAIN.format(middle=5, last=8, budget=40)))
+    proof = proved(tmp_path, CHAIN.format(middle=5, last=8, budget=40))
     (wake,) = proof.solutions[0].wakes["last"]
     middle = proof.solutions[0].responses["middle"]
     # It counts from the line, with all three of them.
@@ -112,17 +106,15 @@ def test_a_less_urgent_publisher_is_as_late_as_it_responds(tmp_path: Path) -> No
 
 
 def test_a_thinned_subscriber_comes_once_in_each_interval(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           sensor0: {device: sensor0, trigger: {irq: ready, min_interarrival: 1 ms},
             priority: 9, budget: 10 us, outputs: {sample: s}}
           rare: {app: stage, trigger: {topic: s, min_interval: 4 ms},
             priority: 8, budget: 20 us, inputs: {a: s}}
         """,
-        )
     )
     (wake,) = proof.solutions[0].wakes["rare"]
     # Two may follow each other as closely as the samples do.
@@ -133,10 +125,9 @@ def test_a_thinned_subscriber_comes_once_in_each_interval(tmp_path: Path) -> Non
 
 
 def test_any_of_several_triggers(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           sensor0: {device: sensor0, trigger: {irq: ready, min_interarrival: 100 us},
             priority: 9, budget: 10 us, outputs: {sample: s}}
@@ -144,7 +135,6 @@ def test_any_of_several_triggers(tmp_path: Path) -> None:
           both: {app: stage, trigger: [{topic: s}, {topic: t}],
             priority: 7, budget: 20 us, inputs: {a: s, b: t}}
         """,
-        )
     )
     streams = [wake.stream for wake in proof.solutions[0].wakes["both"]]
     assert [stream.period for stream in streams] == [100 * US, 1000 * US]
@@ -153,16 +143,14 @@ def test_any_of_several_triggers(tmp_path: Path) -> None:
 
 
 def test_a_burst_wakes_as_often_as_it_may_publish(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           source: {app: stage, trigger: {every: 1 ms},
             priority: 2, budget: 10 us, outputs: {three: s}}
           sink: {app: stage, trigger: {topic: s}, priority: 1, budget: 20 us, inputs: {a: s}}
         """,
-        )
     )
     assert responses(proof)["sink"] == 110 + 10_001 + 3 * 20_001
 
@@ -179,7 +167,7 @@ def test_sections_of_less_urgent_publishers(tmp_path: Path) -> None:
         """
 
     def section_of_top(top: int) -> int:
-        jobs = prove(planned(tmp_path, text.format(top=top))).solutions[0].jobs
+        jobs = proved(tmp_path, text.format(top=top)).solutions[0].jobs
         return next(job.section for job in jobs if job.name == "top")
 
     # The section masks up to the highest publisher.
@@ -202,7 +190,7 @@ MODES = """
 
 
 def test_each_change_between_two_modes(tmp_path: Path) -> None:
-    proof = prove(planned(tmp_path, MODES.format(period="100 ms")))
+    proof = proved(tmp_path, MODES.format(period="100 ms"))
     assert len(proof.solutions) == 3
     names = [{job.name for job in s.jobs} & {"one", "two", "three"} for s in proof.solutions]
     assert names == [{"one", "two"}, {"one", "three"}, {"two", "three"}]
@@ -213,7 +201,7 @@ def test_each_change_between_two_modes(tmp_path: Path) -> None:
 
 
 def test_modes_that_change_faster_than_tasks_end(tmp_path: Path) -> None:
-    proof = prove(planned(tmp_path, MODES.format(period="1 ms")))
+    proof = proved(tmp_path, MODES.format(period="1 ms"))
     names = [{job.name for job in s.jobs} & {"one", "two", "three"} for s in proof.solutions]
     assert names == [{"one", "two", "three"}] or len(names) == 3
 
@@ -225,15 +213,14 @@ def test_an_interrupt_of_the_board_counts_where_its_device_is_used(tmp_path: Pat
             priority: 9, budget: 10 us}
         """
     for device, cost in (("sensor0", 10_001), ("radio", 10_001 + 5 + 1200)):
-        proof = prove(planned(tmp_path, text.replace("DEVICE", device)))
+        proof = proved(tmp_path, text.replace("DEVICE", device))
         assert proof.task("sensor0").response_ns == cost
 
 
 def test_an_overload_takes_the_bounds_of_what_it_can_delay(tmp_path: Path) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            """
+    proof = proved(
+        tmp_path,
+        """
         nodes:
           fine: {app: stage, trigger: {every: 1 ms}, priority: 9, budget: 10 us}
           heavy: {app: stage, trigger: {every: 1 ms},
@@ -241,7 +228,6 @@ def test_an_overload_takes_the_bounds_of_what_it_can_delay(tmp_path: Path) -> No
           low: {app: stage, trigger: {every: 100 ms}, priority: 4, budget: 10 us}
           woken: {app: stage, trigger: {topic: s}, priority: 8, budget: 1 us, inputs: {a: s}}
         """,
-        )
     )
     found = responses(proof)
     assert found["fine"] is not None
@@ -251,17 +237,15 @@ def test_an_overload_takes_the_bounds_of_what_it_can_delay(tmp_path: Path) -> No
 
 @pytest.mark.parametrize(("deadline", "holds"), [("31 us", True), ("29 us", False)])
 def test_a_deadline(tmp_path: Path, deadline: str, holds: bool) -> None:
-    proof = prove(
-        planned(
-            tmp_path,
-            f"""
+    proof = proved(
+        tmp_path,
+        f"""
         nodes:
           sensor0: {{device: sensor0, trigger: {{irq: ready, min_interarrival: 100 us}},
             priority: 9, budget: 10 us, outputs: {{sample: s}}}}
           last: {{app: stage, trigger: {{topic: s}},
             priority: 8, budget: 20 us, deadline: {deadline}, inputs: {{a: s}}}}
         """,
-        )
     )
     last = proof.task("last")
     assert (last.holds, last.response_ns) == (holds, 30_002)
