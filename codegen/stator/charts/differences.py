@@ -1,4 +1,4 @@
-"""What differs between two flights: figures of the report, settings, parameters and the graph."""
+"""What differs between flights: figures of the report, settings, parameters and the graph."""
 
 from __future__ import annotations
 
@@ -37,6 +37,7 @@ FIGURES = {
     "refused_publications": ("refused publications", ""),
     "missed_life_signs": ("missed life signs", ""),
 }
+LETTERS = "ABCDEFGH"  # of the flights, as many as can be compared at once
 # What a flight was flown with.
 SETTINGS = {
     "board": "board",
@@ -51,7 +52,7 @@ SETTINGS = {
 
 @dataclass(frozen=True)
 class Side:
-    """One of the two flights."""
+    """One of the flights."""
 
     path: Path
     log: ULog
@@ -64,22 +65,23 @@ def side(path: Path) -> Side:
     return Side(path, open_log(path), report_beside(path), _definitions(path))
 
 
-def compare(first: Side, second: Side) -> dict[str, Any]:
-    """The facts that `--json` prints."""
-    params = [side.log.initial_parameters for side in (first, second)]
-    graphs = [_info(side, "graph") for side in (first, second)]
-    hashes = [_info(side, "ver_sw") for side in (first, second)]
+def compare(sides: list[Side]) -> dict[str, Any]:
+    """The facts that `--json` prints. Each list of values has one for each flight."""
+    facts = [side.facts for side in sides]
+    params = [side.log.initial_parameters for side in sides]
+    names = {name: name for values in params for name in values}
+    first, *others = (side.path.read_bytes() for side in sides)
     return {
-        "logs": [str(side.path.resolve()) for side in (first, second)],
-        "identical": first.path.read_bytes() == second.path.read_bytes(),
-        "success": [side.facts.get("success") for side in (first, second)],
-        "reason": [side.facts.get("reason") for side in (first, second)],
-        "figures": _figures(first.facts, second.facts),
-        "settings": _pairs(SETTINGS, first.facts, second.facts),
-        "params": _pairs({name: name for name in {**params[0], **params[1]}}, *params),
-        "graph": graphs,
-        "graph_hash": hashes,
-        "graph_differences": _graph(first.definitions, second.definitions),
+        "logs": [str(side.path.resolve()) for side in sides],
+        "identical": all(other == first for other in others),
+        "success": [values.get("success") for values in facts],
+        "reason": [values.get("reason") for values in facts],
+        "figures": _figures(facts),
+        "settings": _different(SETTINGS, facts),
+        "params": _different(names, params),
+        "graph": [_info(side, "graph") for side in sides],
+        "graph_hash": [_info(side, "ver_sw") for side in sides],
+        "graph_differences": _graph([side.definitions for side in sides]),
     }
 
 
@@ -87,27 +89,25 @@ def _info(side: Side, key: str) -> str:
     return str(side.log.msg_info_dict.get(key, ""))
 
 
-def _figures(first: dict[str, Any], second: dict[str, Any]) -> list[dict[str, Any]]:
+def _figures(facts: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """All that one of them has, equal or not."""
     rows = []
     for key in FIGURES:
-        one, other = first.get(key), second.get(key)
-        if one is None and other is None:
-            continue
-        change = None if one is None or other is None else other - one
-        rows.append({"key": key, "values": [one, other], "difference": change})
+        values = [one.get(key) for one in facts]
+        if any(value is not None for value in values):
+            change = None if None in values or len(values) != 2 else values[1] - values[0]
+            rows.append({"key": key, "values": values, "difference": change})
     return rows
 
 
-def _pairs(
-    names: dict[str, str], first: dict[str, Any], second: dict[str, Any]
-) -> list[dict[str, Any]]:
+def _different(names: dict[str, str], facts: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """What differs, under its name."""
-    return [
-        {"name": name, "values": [_value(first.get(key)), _value(second.get(key))]}
-        for key, name in names.items()
-        if (key in first or key in second) and first.get(key) != second.get(key)
-    ]
+    rows = []
+    for key, name in names.items():
+        values = [_value(one.get(key)) for one in facts]
+        if any(value != values[0] for value in values):
+            rows.append({"name": name, "values": values})
+    return rows
 
 
 def _value(value: Any) -> Any:
@@ -135,14 +135,17 @@ def _definitions(path: Path) -> dict[str, str]:
     return found
 
 
-def _graph(first: dict[str, str], second: dict[str, str]) -> list[dict[str, str]]:
+def _graph(definitions: list[dict[str, str]]) -> list[dict[str, str]]:
     """Nodes and topics that one of them lacks or has otherwise."""
-    if not first or not second:
+    if not all(definitions):
         return []
     rows = []
-    for what in {**first, **second}:
-        if first.get(what) == second.get(what):
+    for what in dict.fromkeys(name for one in definitions for name in one):
+        values = [one.get(what) for one in definitions]
+        if all(value == values[0] for value in values):
             continue
-        how = "other" if what in first and what in second else "only in A"
-        rows.append({"what": what, "how": how if what in first else "only in B"})
+        having = [letter for letter, value in zip(LETTERS, values, strict=False) if value]
+        is_everywhere = len(having) == len(values)
+        how = "other" if is_everywhere else f"only in {', '.join(having)}"
+        rows.append({"what": what, "how": how})
     return rows

@@ -1,4 +1,4 @@
-"""Two flights in one picture: path, altitude, tilt, error and motors."""
+"""Flights in one picture: path, altitude, tilt, error and motors."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stator.charts.differences import LETTERS
 from stator.flight.pictures import Flown, Series, read
 from stator.flight.plot import SETPOINT, distance, euler_deg, save, square
 
@@ -16,8 +17,9 @@ if TYPE_CHECKING:
 
     from stator.flight.log import Floats
 
-COLOURS = ("#0072b2", "#d55e00")  # colour-blind safe; A and B
-STYLES = ("-", (0, (4, 1.5)))
+# Colour-blind safe; one for each flight.
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#999999", "#000000")
+STYLES = ("-", (0, (4, 1.5)))  # by turns
 
 
 def draw_overlay(logs: list[Path], output: Path, title: str) -> None:
@@ -38,7 +40,7 @@ def draw_overlay(logs: list[Path], output: Path, title: str) -> None:
         for name, series in panels.items():
             found = series(flown)
             if found is not None:
-                areas[name].plot(*found, color=COLOURS[number], ls=STYLES[number], lw=1.1)
+                areas[name].plot(*found, color=COLOURS[number], ls=STYLES[number % 2], lw=1.1)
     if flights[0].setpoint is not None:
         time_s, down = flights[0].setpoint.time_s, flights[0].setpoint.values[:, 2]
         areas["altitude (m)"].plot(time_s, -down, color=SETPOINT, lw=0.9, ls=":", zorder=1)
@@ -64,8 +66,8 @@ def _path(axes: Axes, flown: Flown, number: int) -> None:
     place = _position(flown)
     if place is not None:
         north, east, _ = place.values.T
-        label = f"{'AB'[number]}: {flown.title}"
-        axes.plot(east, north, color=COLOURS[number], ls=STYLES[number], lw=1.1, label=label)
+        label = f"{LETTERS[number]}: {flown.title}"
+        axes.plot(east, north, color=COLOURS[number], ls=STYLES[number % 2], lw=1.1, label=label)
         axes.plot(east[-1], north[-1], "s", color=COLOURS[number], ms=5, zorder=4)
 
 

@@ -1,4 +1,4 @@
-"""Topics of one or two logs over time: one panel for each quantity."""
+"""Topics of one log or several over time: one panel for each quantity."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stator.charts.differences import LETTERS
 from stator.diagnostics import Failed, UserError, nearest, shown_path
 from stator.flight.log import seconds
 from stator.flight.pictures import modes_of_log, open_log, report_beside
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from stator.graph.model import Graph
 
 MAX_PANELS = 12
-# Of two flights, the second is a thin line upon the first one's broad and pale one.
+# Of several flights, the others are thin lines upon the first one's broad and pale one.
 WIDTHS, STRENGTHS = (2.6, 1.0), (0.4, 1.0)
 ELEMENT = re.compile(r"(.+)\[\d+\]")
 
@@ -42,7 +43,7 @@ class Quantity:
 
 
 def draw_topics(logs: list[Path], wanted: list[str], output: Path) -> None:
-    """One or two logs. Raises `UserError` for what a log does not have."""
+    """Raises `UserError` for what a log does not have."""
     opened = [open_log(log) for log in logs]
     graph = _graph_of(logs[0])
     quantities = [
@@ -160,13 +161,12 @@ def _paint(axes: Axes, log: ULog, quantity: Quantity, number: int, logs: list[Pa
             axes.text(0.5, 0.5, "not a number throughout", transform=axes.transAxes, ha="center")
         label = column if not alone else ""
         if len(logs) > 1:
-            label = f"{'AB'[number]}{' ' if label else ''}{label}"
-        both = len(logs) > 1
+            label = f"{LETTERS[number]}{' ' if label else ''}{label}"
         axes.plot(
             time_s,
             values,
             color=LINES[(number if alone else i) % len(LINES)],
-            lw=WIDTHS[number] if both else 1.0,
-            alpha=STRENGTHS[number] if both else 1.0,
+            lw=WIDTHS[min(number, 1)] if len(logs) > 1 else 1.0,
+            alpha=STRENGTHS[min(number, 1)] if len(logs) > 1 else 1.0,
             label=label,
         )

@@ -1,4 +1,4 @@
-"""`./stator compare`: what differs between two flights, and both in one picture."""
+"""`./stator compare`: what differs between flights, and all in one picture."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stator.arguments import path
-from stator.charts.differences import FIGURES, compare, side
+from stator.charts.differences import FIGURES, LETTERS, compare, side
 from stator.diagnostics import UserError, shown_path
 from stator.flight.plot import FORMATS, check_format
 
@@ -21,11 +21,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("a", type=path, metavar="A", help="ULog file of the first flight")
     parser.add_argument("b", type=path, metavar="B", help="ULog file of the second flight")
     parser.add_argument(
+        "more", type=path, nargs="*", metavar="MORE", help="of further flights, such as of a sweep"
+    )
+    parser.add_argument(
         "--topic",
         action="append",
         default=[],
         metavar="TOPIC[.FIELD]",
-        help="draw this of both over time, instead of the flights; use it once for each panel",
+        help="draw this of all over time, instead of the flights; use it once for each panel",
     )
     parser.add_argument(
         "-o",
@@ -39,17 +42,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     """0, whatever differs."""
-    logs = [arguments.a, arguments.b]
-    output: Path = arguments.output or arguments.b.with_name(
-        f"{arguments.a.stem}-vs-{arguments.b.stem}.png"
-    )
+    logs = [arguments.a, arguments.b, *arguments.more]
+    if len(logs) > len(LETTERS):
+        raise UserError(
+            f"error: expected at most {len(LETTERS)} logs, found {len(logs)}\n"
+            "hint: --json of each flight has its figures, for a table of one's own"
+        )
+    others = logs[1].stem if len(logs) == 2 else f"{len(logs) - 1}-others"
+    output: Path = arguments.output or logs[1].with_name(f"{logs[0].stem}-vs-{others}.png")
     check_format(output)
-    facts = compare(side(arguments.a), side(arguments.b))
+    facts = compare([side(log) for log in logs])
     facts |= _picture(logs, arguments.topic, output, facts)
     if arguments.json:
         print(json.dumps(facts, indent=2))
     else:
-        _report(arguments, facts)
+        _report(logs, facts)
     return 0
 
 
@@ -62,8 +69,8 @@ def _picture(
     if topics:
         draw_topics(logs, topics, output)
         return {"picture": str(output.resolve())}
-    title = f"A: {logs[0].stem}    B: {logs[1].stem}"
-    texts = [f"{row['name']} {_pair(row['values'])}" for row in facts["params"][:3]]
+    title = "    ".join(f"{letter}: {log.stem}" for letter, log in zip(LETTERS, logs, strict=False))
+    texts = [f"{row['name']} {_change(row['values'])}" for row in facts["params"][:3]]
     if texts:
         title += "\n" + ", ".join(texts) + (", ..." if len(facts["params"]) > 3 else "")
     try:
@@ -76,26 +83,34 @@ def _picture(
 # --- for people ---
 
 
-def _report(arguments: argparse.Namespace, facts: dict[str, Any]) -> None:
-    print(f"A  {shown_path(arguments.a)}: {_outcome(facts, 0)}")
-    print(f"B  {shown_path(arguments.b)}: {_outcome(facts, 1)}")
+def _report(logs: list[Path], facts: dict[str, Any]) -> None:
+    letters = LETTERS[: len(logs)]
+    for i, (letter, log) in enumerate(zip(letters, logs, strict=True)):
+        print(f"{letter}  {shown_path(log)}: {_outcome(facts, i)}")
     if facts["identical"]:
         print("the logs are identical, byte for byte")
     elif facts["figures"]:
-        print(f"\n  {'':<26}{'A':>12}{'B':>12}{'B - A':>12}")
+        last = f"{'B - A':>12}" if len(logs) == 2 else ""
+        print(f"\n  {'':<26}{''.join(f'{letter:>12}' for letter in letters)}{last}")
         for row in facts["figures"]:
-            name, unit = FIGURES[row["key"]]
-            numbers = "".join(f"{_number(value):>12}" for value in row["values"])
-            change = "" if not row["difference"] else f"{row['difference']:+.4g}"
-            print(f"  {name:<26}{numbers}{change:>12} {unit if change else ''}".rstrip())
-    _section("settings", [f"{r['name']}: {_pair(r['values'])}" for r in facts["settings"]])
-    _section("parameters", [f"{r['name']}: {_pair(r['values'])}" for r in facts["params"]])
+            print(_figure(row, has_difference=bool(last)))
+    _section("settings", [f"{r['name']}: {_change(r['values'])}" for r in facts["settings"]])
+    _section("parameters", [f"{r['name']}: {_change(r['values'])}" for r in facts["params"]])
     _section("graph", _graph_lines(facts))
     print()
     if facts["picture"] is None:
         print(f"no picture: {facts['no_picture']}")
     else:
         print(f"{shown_path(Path(facts['picture']))}: written")
+
+
+def _figure(row: dict[str, Any], *, has_difference: bool) -> str:
+    name, unit = FIGURES[row["key"]]
+    numbers = "".join(f"{_number(value):>12}" for value in row["values"])
+    if not has_difference:
+        return f"  {name:<26}{numbers} {unit}".rstrip()
+    change = "" if not row["difference"] else f"{row['difference']:+.4g}"
+    return f"  {name:<26}{numbers}{change:>12} {unit if change else ''}".rstrip()
 
 
 def _section(title: str, lines: list[str]) -> None:
@@ -110,13 +125,15 @@ def _section(title: str, lines: list[str]) -> None:
 
 
 def _graph_lines(facts: dict[str, Any]) -> list[str]:
-    if facts["graph_hash"][0] == facts["graph_hash"][1]:
+    if len(set(facts["graph_hash"])) == 1:
         return []
-    lines = [f"other hash: {_pair([text[:12] or 'none' for text in facts['graph_hash']])}"]
-    if facts["graph"][0] != facts["graph"][1]:
-        lines.insert(0, f"name: {_pair(facts['graph'])}")
-    ways = {"other": "differs", "only in A": "only in A", "only in B": "only in B"}
-    return lines + [f"{row['what']}: {ways[row['how']]}" for row in facts["graph_differences"]]
+    lines = [f"other hash: {_change([text[:12] or 'none' for text in facts['graph_hash']])}"]
+    if len(set(facts["graph"])) > 1:
+        lines.insert(0, f"name: {_change(facts['graph'])}")
+    return lines + [
+        f"{row['what']}: {'differs' if row['how'] == 'other' else row['how']}"
+        for row in facts["graph_differences"]
+    ]
 
 
 def _outcome(facts: dict[str, Any], number: int) -> str:
@@ -126,7 +143,7 @@ def _outcome(facts: dict[str, Any], number: int) -> str:
     return f"{'success' if success else 'FAILED'}; {facts['reason'][number]}"
 
 
-def _pair(values: list[Any]) -> str:
+def _change(values: list[Any]) -> str:
     return " -> ".join(_number(value) for value in values)
 
 

@@ -1,4 +1,4 @@
-"""`./stator compare` and `plot --topic`: what differs between two flights, and any topic drawn."""
+"""`./stator compare` and `plot --topic`: what differs between flights, and any topic drawn."""
 
 from __future__ import annotations
 
@@ -91,6 +91,28 @@ def test_the_report_for_people(
     assert re.search(r"^  take-off at +\d.* \+?-?\d\S* s$", output, re.MULTILINE)
     assert "parameters that differ\n  rate_control.roll_p: 0.22 -> 0.1\n" in output
     assert "graph: equal" in output
+
+
+def test_a_sweep(
+    flights: tuple[Path, Path], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Three flights: a column and a line of the picture for each."""
+    logs = [flights[0], flights[1], flights[0]]
+    facts = compared(capsys, *logs, "-o", tmp_path / "p.svg")
+    assert not facts["identical"]
+    (row,) = facts["params"]
+    assert row["values"] == pytest.approx([0.22, 0.1, 0.22])
+    assert all(row["difference"] is None for row in facts["figures"])
+    assert {"A: quad", "B: quad", "C: quad"} <= texts(tmp_path / "p.svg")
+    topic = ["--topic", "vehicle_local_position.z"]
+    assert cli.main(["compare", *map(str, logs), *topic, "-o", str(tmp_path / "t.svg")]) == 0
+    output = capsys.readouterr().out
+    take_off = next(line for line in output.splitlines() if line.startswith("  take-off at"))
+    assert take_off.split()[2] == take_off.split()[4]
+    assert "  rate_control.roll_p: 0.22 -> 0.1 -> 0.22\n" in output
+    assert {"A", "B", "C"} <= texts(tmp_path / "t.svg")
+    assert cli.main(["compare", *[str(logs[0])] * 9]) == 2
+    assert "error: expected at most 8 logs, found 9\n" in capsys.readouterr().err
 
 
 def test_the_picture_has_both(
