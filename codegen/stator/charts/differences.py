@@ -95,7 +95,8 @@ def _figures(facts: list[dict[str, Any]]) -> list[dict[str, Any]]:
     for key in FIGURES:
         values = [one.get(key) for one in facts]
         if any(value is not None for value in values):
-            change = None if None in values or len(values) != 2 else values[1] - values[0]
+            known = [value for value in values if value is not None]
+            change = known[1] - known[0] if len(known) == len(values) == 2 else None
             rows.append({"key": key, "values": values, "difference": change})
     return rows
 

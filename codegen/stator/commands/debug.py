@@ -12,6 +12,7 @@ import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from stator import HOME
 from stator.build.cmake import DEBUG, PREEMPTION, build
 from stator.diagnostics import UserError, nearest, shown_argument, shown_path
 from stator.emit import devices
@@ -99,6 +100,7 @@ def main(arguments: argparse.Namespace) -> int:
 def _setup(stop: Stop) -> list[str]:
     words = ["-q", "-iex", "set debuginfod enabled off", "-iex", "set confirm off"]
     for line in (
+        f"source {HOME / 'runtime' / 'host' / 'gdb_printers.py'}",
         "handle SIGVTALRM nostop noprint pass",  # runtime/host: looks for endless steps
         stop.in_gdb(),
         "run",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from stator import HOME
 from stator import __main__ as cli
 
 GRAPH = Path(__file__).parent / "graph"
@@ -135,6 +137,43 @@ def test_the_debugger_stops_at_the_crash(project: Path, capsys: pytest.CaptureFi
     assert "Breakpoint 1, stator::apps::breaks::Breaks::step (" in words, finished.stderr
     assert "$1 = 3 " in words
     assert "$2 = 1000000 " in words
+
+
+MATRICES = """
+#include <Eigen/Dense>
+int main() {
+    const Eigen::Vector3f v(1.5F, -2.0F, 3.0F);
+    const Eigen::Matrix<float, 1, 2> row(4.0F, 5.0F);
+    Eigen::Matrix2d m;
+    m << 1, 2, 3, 4;
+    Eigen::Matrix<int, 2, 2, Eigen::RowMajor> r;
+    r << 5, 6, 7, 8;
+    const Eigen::Quaternionf q(1.0F, 0.5F, 0.25F, 0.125F);
+    return v.x() > 5.0F || row.x() > 5.0F || m(0, 0) > 5.0 || r(0, 0) > 6 || q.w() > 5.0F;
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("gdb") is None, reason="gdb is not installed")
+def test_the_debugger_shows_matrices_by_their_numbers(tmp_path: Path) -> None:
+    source, program = tmp_path / "m.cpp", tmp_path / "m"
+    source.write_text(MATRICES)
+    compiled = ["g++", "-std=c++20", "-g", "-O0", "-isystem", "/usr/include/eigen3"]
+    subprocess.run([*compiled, source, "-o", program], check=True)
+    line = next(n for n, text in enumerate(MATRICES.splitlines(), 1) if "return" in text)
+    commands = [f"source {HOME}/runtime/host/gdb_printers.py", f"break m.cpp:{line}", "run"]
+    commands += [f"print {name}" for name in ("v", "row", "m", "r", "q")]
+    words = [word for text in commands for word in ("-ex", text)]
+    finished = subprocess.run(
+        ["gdb", "-q", "-batch", *words, program], capture_output=True, text=True, check=True
+    )
+    assert re.findall(r"^\$\d = (.*)$", finished.stdout, re.MULTILINE) == [
+        "[1.5, -2, 3]",
+        "[4, 5]",
+        "[1, 2; 3, 4]",
+        "[5, 6; 7, 8]",
+        "w 1, x 0.5, y 0.25, z 0.125",
+    ]
 
 
 def test_the_debugger_needs_a_node(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
