@@ -1,5 +1,5 @@
 """Bad links, and traffic that asks for nothing: everything arrives whole, and the flight is the
-same. All limits of time are in the vehicle's clock."""
+same. How long it takes is tested in virtual time, in tests/apps/mavlink."""
 
 from __future__ import annotations
 
@@ -40,10 +40,6 @@ AGAIN_S = 0.15  # of wall time, until a client asks again
 
 class Patient(Station):
     """A client that asks again."""
-
-    def now_s(self) -> float:
-        boot_ms: int = self.wait("ATTITUDE").time_boot_ms
-        return boot_ms * 1e-3
 
     def heard(self, kinds: list[str]) -> Any:
         """The next of these; None after a while."""
@@ -116,9 +112,7 @@ def test_a_bad_link_loses_nothing(tmp_path: Path) -> None:
         station = Patient(f"udpin:127.0.0.1:{own}")
         station.connect()
         station.wait_until_armable()
-        begin_s = station.now_s()
         values = station.parameters()
-        assert station.now_s() - begin_s < 20.0
         ids = [values[i].param_id for i in range(len(values))]
         assert ids == sorted(ids)
         assert len(ids) > 100
@@ -126,18 +120,14 @@ def test_a_bad_link_loses_nothing(tmp_path: Path) -> None:
             (RELATIVE, 16, 0.0, 2.0, 0.0, NAN, *station.place(0.5 * i, 1.0), 6.0 + i)
             for i in range(100)
         ]
-        begin_s = station.now_s()
         assert station.upload(items).type == mavlink.MAV_MISSION_ACCEPTED
         back = station.download()
-        assert station.now_s() - begin_s < 60.0
         assert [(i.frame, i.command, i.x, i.y, i.z) for i in back] == [
             (item[0], item[1], item[6], item[7], item[8]) for item in items
         ]
-        begin_s = station.now_s()
         logs = LogReader(station)
         assert list(logs.entries()) == [0]
         part = logs.read(0, LOG_BYTES)
-        assert station.now_s() - begin_s < 20.0
         station.close()
     assert part == (tmp_path / "bad.ulg").read_bytes()[:LOG_BYTES]
     assert facts["success"], facts["reason"]

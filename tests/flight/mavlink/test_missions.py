@@ -70,7 +70,7 @@ def test_plans_go_there_and_back_and_a_mission_is_flown(tmp_path: Path) -> None:
 
 
 def test_a_hundred_items(tmp_path: Path) -> None:
-    """Handed over in less than 10 s of the vehicle's time, each way."""
+    """As many as a vehicle keeps go there and back through the mission's file."""
     port = free_port()
     with flying(tmp_path / "items.ulg", "--mavlink", f"udp:{port}", "--speed", "2") as facts:
         station = Station(f"udpin:127.0.0.1:{port}")
@@ -80,17 +80,8 @@ def test_a_hundred_items(tmp_path: Path) -> None:
             (RELATIVE, 16, 0.0, 2.0, 0.0, NAN, *station.place(0.5 * i, 1.0), 6.0)
             for i in range(100)
         ]
-
-        def now_s() -> float:
-            boot_ms: int = station.wait("ATTITUDE").time_boot_ms
-            return boot_ms * 1e-3
-
-        begin_s = now_s()
         assert station.upload(items).type == mavlink.MAV_MISSION_ACCEPTED
-        uploaded_s = now_s()
-        assert len(station.download()) == len(items)
-        downloaded_s = now_s()
-        assert uploaded_s - begin_s < 10.0
-        assert downloaded_s - uploaded_s < 10.0
+        back = station.download()
+        assert [(item.x, item.y) for item in back] == [(item[6], item[7]) for item in items]
         station.close()
     assert facts["success"], facts["reason"]
