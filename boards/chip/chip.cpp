@@ -22,6 +22,7 @@ constexpr uint32_t kAhb1 = 0x30, kApb1 = 0x40, kApb2 = 0x44;
 }  // namespace
 
 Chip::Chip(Memory& memory, uint32_t crystal_hz) : memory_(memory) {
+    agenda_ = &add<Agenda>();
     auto& power = add<PowerControl>();
     auto& flash = add<FlashControl>();
     reset_and_clocks_ = &add<ResetAndClocks>(crystal_hz, power, flash);

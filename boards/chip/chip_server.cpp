@@ -11,8 +11,10 @@
 #include <string_view>
 
 #include "chip/chip.hpp"
+#include "chip/spi.hpp"
 #include "chip/usart.hpp"
 #include "emulator.hpp"
+#include "parts/mpu6000.hpp"
 
 namespace {
 
@@ -31,11 +33,20 @@ int serve(int count, char** words) {
             file.put(static_cast<char>(byte));
         });
     }
+    // At rest, level: the part's axes are those of this board (docs/boards.md).
+    Mpu6000 imu(chip, pin('D', 15), [](uint64_t now_ns) {
+        const double noise = 0.002 * static_cast<double>(now_ns / 1'000'000 % 7);
+        return Mpu6000::Motion{.rate = {noise, 0, 0}, .force = {0, 0, -9.80665}};
+    });
+    chip.spi("SPI1").attach(imu, pin('C', 2));
     emulator.serve(chip, static_cast<uint64_t>(std::strtod(words[2], nullptr) * 1e9));
-    std::printf("{\"time_us\": %llu, \"accesses\": %llu, \"core_clock_hz\": %u, \"resets\": %u}\n",
-                static_cast<unsigned long long>(chip.now_ns() / 1000),
-                static_cast<unsigned long long>(emulator.accesses()), chip.clocks().core_hz,
-                emulator.resets());
+    std::printf(
+        "{\"time_us\": %llu, \"accesses\": %llu, \"core_clock_hz\": %u, \"resets\": %u, "
+        "\"imu_samples\": %llu, \"imu_bursts\": %llu}\n",
+        static_cast<unsigned long long>(chip.now_ns() / 1000),
+        static_cast<unsigned long long>(emulator.accesses()), chip.clocks().core_hz,
+        emulator.resets(), static_cast<unsigned long long>(imu.samples()),
+        static_cast<unsigned long long>(imu.bursts()));
     return 0;
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "stm32f4/edge_line.hpp"
 #include "stm32f4/gpio.hpp"
 
 namespace stator::board::pins {
@@ -26,6 +27,12 @@ inline constexpr std::array kSelects{
     Pin('E', 4),   // first chip on SPI4
     Pin('C', 14),  // second chip on SPI4
 };
+
+// The bus of the sensors, SPI1, and the line by which the MPU6000 says that it has a sample.
+inline constexpr std::array kSensorBus{Pin('A', 5), Pin('A', 6), Pin('A', 7)};
+inline constexpr uint32_t kSpiFunction = 5;
+inline constexpr Pin kMpu6000Select('C', 2);
+inline constexpr stm32f4::EdgeLine kMpu6000Ready('D', 15);
 
 // The bus of the connector CAN: CAN1, with the transceiver on the board, which no pin switches. The
 // chip's other controller, CAN2 (PB12, PB6), ends at the expansion connector without one. So say

@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "chip/agenda.hpp"
 #include "chip/block.hpp"
 #include "chip/clocks.hpp"
 #include "chip/memory.hpp"
@@ -53,6 +55,9 @@ class Chip {
     // `controller`: 1 or 2.
     Dma& dma(unsigned controller) { return *dma_.at(controller - 1); }
 
+    // Of parts on the board: a call at its time.
+    void at(uint64_t time_ns, std::function<void()> call) { agenda_->at(time_ns, std::move(call)); }
+
     // Of peripherals.
     void set_line(unsigned line, bool is_high);
     void request_reset(ResetCause cause);
@@ -77,6 +82,7 @@ class Chip {
     bool is_reset_requested_ = false;
     std::vector<std::unique_ptr<Block>> blocks_;
     ResetAndClocks* reset_and_clocks_ = nullptr;
+    Agenda* agenda_ = nullptr;
     bool serves_dma_ = false;
     std::array<Timer*, 6> timers_{};
     std::array<Dma*, 2> dma_{};

@@ -35,6 +35,15 @@ class DmaStream {
     [[nodiscard]] bool receive(uint32_t data_register, uint8_t* bytes, size_t count) const {
         return start(data_register, bytes, count, kCircular);
     }
+    // Once; the end raises the stream's vector until it is acknowledged.
+    [[nodiscard]] bool receive_once(uint32_t data_register, uint8_t* bytes, size_t count) const {
+        return start(data_register, bytes, count, kEndInterrupt);
+    }
+    // What is read after this call is not read before the end.
+    void acknowledge() const {
+        clear_flags();
+        barrier();
+    }
     // Items still to come in this round. The buffer is plain memory, which a volatile access does
     // not order: the barrier makes what is read after this call what has come in by now.
     size_t left() const {
@@ -51,6 +60,7 @@ class DmaStream {
 
   private:
     static constexpr uint32_t kEnable = 1U << 0;
+    static constexpr uint32_t kEndInterrupt = 1U << 4;
     static constexpr uint32_t kToPeripheral = 1U << 6;
     static constexpr uint32_t kCircular = 1U << 8;
     static constexpr uint32_t kIncrement = 1U << 10;

@@ -31,4 +31,24 @@ class MicrosecondTimer {
     static constexpr Register kReload{kBase + 0x2C};
 };
 
+// TIM3, which raises its vector once a millisecond.
+class MillisecondTick {
+  public:
+    void start() const {
+        rcc::kApb1Enable.set(kTimer3Clock);
+        Register(kBase + 0x28).write(kApb1TimerClock_hz / 1'000'000U - 1);  // TIMx_PSC
+        Register(kBase + 0x2C).write(999);                                  // TIMx_ARR
+        Register(kBase + 0x14).write(kUpdate);                              // TIMx_EGR
+        acknowledge();
+        Register(kBase + 0x0C).write(kUpdate);  // TIMx_DIER
+        Register(kBase + 0x00).write(kUpdate);  // TIMx_CR1
+    }
+    void acknowledge() const { Register(kBase + 0x10).write(0); }  // TIMx_SR
+
+  private:
+    static constexpr uint32_t kBase = 0x40000400;
+    static constexpr uint32_t kTimer3Clock = 1U << 1;
+    static constexpr uint32_t kUpdate = 1U << 0;
+};
+
 }  // namespace stator::stm32f4
