@@ -42,11 +42,12 @@ int serve(int count, char** words) {
     emulator.serve(chip, static_cast<uint64_t>(std::strtod(words[2], nullptr) * 1e9));
     std::printf(
         "{\"time_us\": %llu, \"accesses\": %llu, \"core_clock_hz\": %u, \"resets\": %u, "
-        "\"imu_samples\": %llu, \"imu_bursts\": %llu}\n",
+        "\"imu_samples\": %llu, \"imu_read\": %llu, \"imu_missed\": %llu}\n",
         static_cast<unsigned long long>(chip.now_ns() / 1000),
         static_cast<unsigned long long>(emulator.accesses()), chip.clocks().core_hz,
         emulator.resets(), static_cast<unsigned long long>(imu.samples()),
-        static_cast<unsigned long long>(imu.bursts()));
+        static_cast<unsigned long long>(imu.bursts()),
+        static_cast<unsigned long long>(imu.missed()));
     return 0;
 }
 

@@ -6,6 +6,7 @@
 #include "pins.hpp"
 #include "stator/cortex_m.hpp"
 #include "stm32f4/clock_tree.hpp"
+#include "stm32f4/pwm.hpp"
 #include "stm32f4/spi.hpp"
 #include "stm32f4/timer.hpp"
 #include "stm32f4/watchdog.hpp"
@@ -51,6 +52,41 @@ void start_sensors() {
     kSensorBus.start();
     pins::kMpu6000Ready.start();
     kSensorTick.start();
+}
+
+// Outputs AUX 1 to 6, at 400 Hz.
+using drivers::motor::pwm::MotorPwm;
+constexpr uint32_t kTimer1Clock = 1U << 0;  // RCC_APB2ENR
+constexpr uint32_t kTimer4Clock = 1U << 2;  // RCC_APB1ENR
+constexpr uint32_t kMotorPeriod_us = 2'500;
+constexpr uint32_t kTimer1Channels = 0b1111;
+constexpr uint32_t kTimer4Channels = 0b0110;
+constexpr stm32f4::PwmTimer kTimer1(0x40010000, stm32f4::kApb2TimerClock_hz, true);
+constexpr stm32f4::PwmTimer kTimer4(0x40000800, stm32f4::kApb1TimerClock_hz, false);
+constinit bool gives_pulses = false;
+
+const stm32f4::PwmTimer& timer_of(size_t output) {
+    return output < 4 ? kTimer1 : kTimer4;
+}
+
+// The pins are low until the first command. Of one task.
+void write_motors(const MotorPwm::Pulses& pulses_us) {
+    for (size_t i = 0; i < pulses_us.size(); ++i) {
+        timer_of(i).write(pins::kMotorChannels[i], pulses_us[i]);
+    }
+    if (gives_pulses) return;
+    gives_pulses = true;
+    for (size_t i = 0; i < pulses_us.size(); ++i) {
+        pins::kMotorOutputs[i].make_alternate(pins::kMotorFunctions[i]);
+    }
+}
+
+void start_motors() {
+    stm32f4::rcc::kApb2Enable.set(kTimer1Clock);
+    stm32f4::rcc::kApb1Enable.set(kTimer4Clock);
+    kTimer1.start(kMotorPeriod_us, kTimer1Channels);
+    kTimer4.start(kMotorPeriod_us, kTimer4Channels);
+    motors.write = write_motors;
 }
 
 // RM0090, 2.3 and 6.3.13. Until the driver starts it, the controller sleeps and sends nothing but
@@ -127,6 +163,7 @@ void prepare() {
     start_can();
     start_lines();
     start_sensors();
+    start_motors();
 }
 
 // If the hardware does not take the time, the watchdog runs with its longest one.

@@ -58,5 +58,7 @@ inline constexpr uint32_t kUsartFunction = 7;
 inline constexpr std::array kMotorOutputs{
     Pin('E', 14), Pin('E', 13), Pin('E', 11), Pin('E', 9), Pin('D', 13), Pin('D', 14),
 };
+inline constexpr std::array<uint32_t, 6> kMotorFunctions{1, 1, 1, 1, 2, 2};  // TIM1, TIM4
+inline constexpr std::array<uint32_t, 6> kMotorChannels{4, 3, 2, 1, 2, 3};
 
 }  // namespace stator::board::pins

@@ -49,6 +49,9 @@ def test_the_flashed_image_starts_and_sends_heartbeats(
     assert facts["time_us"] == SECONDS * 1e6
     assert facts["core_clock_hz"] == 168_000_000
     assert facts["resets"] == 0  # the watchdog was kicked
+    # The MPU6000 was started within 0.3 s, by its driver, and read at each ready line since then.
+    assert facts["imu_read"] >= (SECONDS - 0.3) * 1000
+    assert facts["imu_missed"] == 0
     reader = common.MAVLink(None)
     messages = reader.parse_buffer(line.read_bytes()) or []
     kinds = Counter(message.get_type() for message in messages)

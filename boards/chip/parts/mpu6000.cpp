@@ -106,7 +106,7 @@ uint8_t Mpu6000::exchange(uint8_t sent, uint32_t clock_hz, unsigned mode) {
     if (chip_.now_ns() < ready_ns_) return 0x00;
     if (is_read_ && reg == kSamples + shown_.size() - 1 && read_sample_ != samples_) {
         read_sample_ = samples_;
-        ++bursts_;
+        if (bursts_++ == 0) first_sample_ = samples_;
     }
     if (is_read_) return read(reg);
     write(reg, sent);

@@ -35,6 +35,10 @@ class Mpu6000 : public SpiPart {
     uint64_t samples() const { return samples_; }
     // Samples that were read to their end, each once.
     uint64_t bursts() const { return bursts_; }
+    // Of those from the first read one to the last.
+    uint64_t missed() const {
+        return bursts_ == 0 ? 0 : read_sample_ + 1 - first_sample_ - bursts_;
+    }
 
     void select(bool is_selected) override;
     uint8_t exchange(uint8_t sent, uint32_t clock_hz, unsigned mode) override;
@@ -58,6 +62,7 @@ class Mpu6000 : public SpiPart {
     unsigned generation_ = 0;          // of the sampling that runs
     uint64_t samples_ = 0;
     uint64_t bursts_ = 0;
+    uint64_t first_sample_ = 0;
     uint64_t read_sample_ = 0;  // the number of the one that was read last
     bool has_address_ = false;
     bool is_read_ = false;

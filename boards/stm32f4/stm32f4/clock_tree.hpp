@@ -24,6 +24,7 @@ inline constexpr uint32_t kCoreClock_hz = 168'000'000;
 inline constexpr uint32_t kApb1Clock_hz = 42'000'000;
 inline constexpr uint32_t kApb2Clock_hz = 84'000'000;
 inline constexpr uint32_t kApb1TimerClock_hz = 84'000'000;
+inline constexpr uint32_t kApb2TimerClock_hz = 168'000'000;
 
 enum class ClockSource {
     kCrystal,   // as planned
