@@ -44,7 +44,9 @@ constinit stm32f4::PartOnSpi<SensorBus, Mpu6000> mpu6000(kSensorBus, pins::kMpu6
                                                          imu0);
 constexpr stm32f4::MillisecondTick kSensorTick;
 
-// The part's axes on this board: x to the right, y to the front, as PX4 and ArduPilot have them.
+// Body x, y, z are the part's y, -x, z: PX4's driver swaps so and starts it without a rotation, and
+// ArduPilot has (y, x, -z) turned about x by 180 degrees. The part hangs below the board, so at rest
+// its z, which points down, reads -1 g.
 void start_sensors() {
     imu0.axes = {2, -1, 3};
     stm32f4::rcc::kApb2Enable.set(kSpi1Clock);

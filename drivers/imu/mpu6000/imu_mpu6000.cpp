@@ -1,7 +1,6 @@
 // Each activation reads what the last transfer brought, and arms the next one.
 #include "imu_mpu6000.hpp"
 
-#include <algorithm>
 #include <cstdlib>
 
 namespace stator::drivers::imu::mpu6000 {
@@ -62,33 +61,40 @@ void ImuMpu6000::write(uint8_t reg, uint8_t value) {
 void ImuMpu6000::step(ImuPorts& ports) {
     if (device_.state.load() != Device::kIdle || ports.now < wait_us_) return;
     device_.second.count = 0;
+    if (phase_ == Phase::kRun) {
+        measure(ports);
+    } else {
+        start(ports.now);
+    }
+    if (device_.first.count != 0) device_.state.store(Device::kArmed);
+}
+
+// Leaves the first transfer empty where there is nothing to do yet.
+void ImuMpu6000::start(uint64_t now_us) {
+    device_.first.count = 0;
     switch (phase_) {
         case Phase::kReset:
             reset();
             break;
         case Phase::kStart:
-            wait_us_ = ports.now + kStart_us;
+            wait_us_ = now_us + kStart_us;
             retry_us_ = wait_us_ + kGiveUp_us;
             phase_ = Phase::kIdentify;
-            return;
+            break;
         case Phase::kIdentify:
-            identify(ports.now);
-            if (device_.first.count == 0) return;
+            identify(now_us);
             break;
         case Phase::kSettle:
-            wait_us_ = ports.now + kStart_us;
+            wait_us_ = now_us + kStart_us;
             phase_ = Phase::kConfigure;
-            device_.first.count = 0;
-            return;
+            break;
         case Phase::kWake:
         case Phase::kConfigure:
             write_next();
             break;
         case Phase::kRun:
-            measure(ports);
             break;
     }
-    device_.state.store(Device::kArmed);
 }
 
 // The last reset may have been given up: what the part does now is not known.
@@ -113,7 +119,6 @@ void ImuMpu6000::identify(uint64_t now_us) {
     }
     if (now_us >= retry_us_) {
         phase_ = Phase::kReset;
-        device_.first.count = 0;
     } else {
         read(device_.first, kWhoAmI, 1, false);
         read(device_.second, kPower, 1, false);
@@ -155,13 +160,17 @@ void ImuMpu6000::measure(ImuPorts& ports) {
 // A part without power gives equal bits; one that hangs, equal samples.
 bool ImuMpu6000::is_good() {
     const auto& bytes = device_.first.bytes;
-    const auto is_one = [&](uint8_t value) {
-        return std::all_of(bytes.begin() + 1, bytes.end(), [&](uint8_t b) { return b == value; });
-    };
-    const bool is_same = std::equal(bytes.begin() + 1, bytes.end(), last_.begin() + 1);
-    equal_ = is_same ? equal_ + 1 : 0;
+    unsigned ones = 0xFF;
+    unsigned zeros = 0x00;
+    unsigned changes = 0x00;
+    for (unsigned i = 1; i < bytes.size(); ++i) {
+        ones &= bytes[i];
+        zeros |= bytes[i];
+        changes |= static_cast<unsigned>(bytes[i]) ^ last_[i];
+    }
+    equal_ = changes == 0 ? equal_ + 1 : 0;
     last_ = bytes;
-    return !is_one(0x00) && !is_one(0xFF) && equal_ < kMaxEqual;
+    return ones != 0xFF && zeros != 0x00 && equal_ < kMaxEqual;
 }
 
 // A register that lost its value: the part lost its power, or was disturbed.

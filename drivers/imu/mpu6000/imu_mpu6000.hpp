@@ -46,7 +46,9 @@ class ImuMpu6000 {
   private:
     enum class Phase : uint8_t { kReset, kStart, kIdentify, kWake, kSettle, kConfigure, kRun };
 
-    void reset();
+    // Off the path of a sample, where size counts.
+    [[gnu::cold, gnu::noinline]] void start(uint64_t now_us);
+    [[gnu::cold, gnu::noinline]] void reset();
     void identify(uint64_t now_us);
     void write_next();
     void measure(ImuPorts& ports);
