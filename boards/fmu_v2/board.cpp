@@ -40,13 +40,12 @@ using Mpu6000 = drivers::imu::mpu6000::ImuMpu6000::Device;
 constexpr SensorBus kSensorBus(0x40013000, stm32f4::DmaStream(2, 3, 3),
                                stm32f4::DmaStream(2, 2, 3));
 constexpr uint32_t kSpi1Clock = 1U << 12;  // RCC_APB2ENR
-constinit stm32f4::PartOnSpi<SensorBus, Mpu6000> mpu6000(kSensorBus, pins::kMpu6000Select, {6, 3},
-                                                         imu0);
+constinit stm32f4::PartOnSpi<kSensorBus, Mpu6000> mpu6000(pins::kMpu6000Select, {6, 3}, imu0);
 constexpr stm32f4::MillisecondTick kSensorTick;
 
 // Body x, y, z are the part's y, -x, z: PX4's driver swaps so and starts it without a rotation, and
-// ArduPilot has (y, x, -z) turned about x by 180 degrees. The part hangs below the board, so at rest
-// its z, which points down, reads -1 g.
+// ArduPilot has (y, x, -z) turned about x by 180 degrees. The part hangs below the board, so at
+// rest its z, which points down, reads -1 g.
 void start_sensors() {
     imu0.axes = {2, -1, 3};
     stm32f4::rcc::kApb2Enable.set(kSpi1Clock);
@@ -65,29 +64,26 @@ constexpr uint32_t kTimer1Channels = 0b1111;
 constexpr uint32_t kTimer4Channels = 0b0110;
 constexpr stm32f4::PwmTimer kTimer1(0x40010000, stm32f4::kApb2TimerClock_hz, true);
 constexpr stm32f4::PwmTimer kTimer4(0x40000800, stm32f4::kApb1TimerClock_hz, false);
-constinit bool gives_pulses = false;
 
 const stm32f4::PwmTimer& timer_of(size_t output) {
     return output < 4 ? kTimer1 : kTimer4;
 }
 
-// The pins are low until the first command. Of one task.
 void write_motors(const MotorPwm::Pulses& pulses_us) {
     for (size_t i = 0; i < pulses_us.size(); ++i) {
         timer_of(i).write(pins::kMotorChannels[i], pulses_us[i]);
     }
-    if (gives_pulses) return;
-    gives_pulses = true;
-    for (size_t i = 0; i < pulses_us.size(); ++i) {
-        pins::kMotorOutputs[i].make_alternate(pins::kMotorFunctions[i]);
-    }
 }
 
+// The timers hold the pins low until the first command.
 void start_motors() {
     stm32f4::rcc::kApb2Enable.set(kTimer1Clock);
     stm32f4::rcc::kApb1Enable.set(kTimer4Clock);
     kTimer1.start(kMotorPeriod_us, kTimer1Channels);
     kTimer4.start(kMotorPeriod_us, kTimer4Channels);
+    for (size_t i = 0; i < pins::kMotorOutputs.size(); ++i) {
+        pins::kMotorOutputs[i].make_alternate(pins::kMotorFunctions[i]);
+    }
     motors.write = write_motors;
 }
 

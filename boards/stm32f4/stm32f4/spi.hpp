@@ -58,16 +58,16 @@ class Spi {
 };
 
 // A part that says by a line that it has a sample: each transfer begins at the line, so that its
-// time is the sample's. `Device` is the driver's (drivers/imu/mpu6000). All calls from one level,
-// above the driver's.
-template <class Bus, class Device>
+// time is the sample's. `bus`: an `Spi`, a constant, so that its addresses are; `Device` is the
+// driver's (drivers/imu/mpu6000). All calls from one level, above the driver's.
+template <const auto& bus, class Device>
 class PartOnSpi {
   public:
     struct Dividers {
         uint32_t slow, fast;
     };
-    constexpr PartOnSpi(Bus bus, Pin select, Dividers dividers, Device& device)
-        : bus_(bus), select_(select), dividers_(dividers), device_(device) {}
+    constexpr PartOnSpi(Pin select, Dividers dividers, Device& device)
+        : select_(select), dividers_(dividers), device_(device) {}
 
     // The line. A driver that is late loses the sample, and nothing else.
     void ready(uint64_t now_us) {
@@ -84,7 +84,7 @@ class PartOnSpi {
     [[nodiscard]] bool finish() {
         select_.write(true);
         Transfer& done = is_second_ ? device_.second : device_.first;
-        bus_.take(std::span(done.bytes).first(done.count));
+        bus.take(std::span(done.bytes).first(done.count));
         if (!is_second_ && device_.second.count != 0) {
             is_second_ = true;
             move(device_.second);
@@ -113,13 +113,12 @@ class PartOnSpi {
     void move(Transfer& transfer) {
         select_.write(false);
         const uint32_t divider = transfer.is_fast ? dividers_.fast : dividers_.slow;
-        if (bus_.transfer(std::span(transfer.bytes).first(transfer.count), divider)) return;
+        if (bus.transfer(std::span(transfer.bytes).first(transfer.count), divider)) return;
         select_.write(true);
         moves_ = false;
         device_.state.store(Device::kIdle);
     }
 
-    Bus bus_;
     Pin select_;
     Dividers dividers_;
     Device& device_;

@@ -112,8 +112,7 @@ def test_a_graph_whose_devices_have_no_driver_is_refused(
     needs_toolchain()
     assert cli.main(["flash", str(HOME / "graph" / "quad.yaml"), "--board", "fmu_v2"]) == 2
     assert (
-        "error: cannot flash this image: board fmu_v2 has no driver for mocap0, "
-        "log_storage\n"
+        "error: cannot flash this image: board fmu_v2 has no driver for mocap0, log_storage\n"
     ) in capsys.readouterr().err
 
 

@@ -46,6 +46,9 @@ struct Received {
 
 constexpr unsigned kTick = 29, kReady = 40, kEnd = 58;  // TIM3, EXTI15_10, DMA2 stream 2
 
+constexpr stm32f4::Spi<Sent, Received> kBus(0x40013000, stm32f4::DmaStream(2, 3, 3),
+                                            stm32f4::DmaStream(2, 2, 3));
+
 class Imu : public ::testing::Test {
   public:
     Imu() {
@@ -54,7 +57,7 @@ class Imu : public ::testing::Test {
         stm32f4::rcc::kApb2Enable.set(1U << 12);
         chip_.spi("SPI1").attach(part, chip::pin('C', 2));
         stm32f4::Pin('C', 2).make_output(true);
-        bus_.start();
+        kBus.start();
         line_.start();
         tick_.start();
         device.axes = {2, -1, 3};
@@ -97,7 +100,6 @@ class Imu : public ::testing::Test {
         if (published_gyro.count() != 0) gyro.push_back(published_gyro.newest());
     }
 
-    using Bus = stm32f4::Spi<Sent, Received>;
     Ram ram_;
     chip::Chip chip_{ram_, 24'000'000};
 
@@ -111,8 +113,7 @@ class Imu : public ::testing::Test {
 
   private:
     ImuMpu6000 driver_{device};
-    Bus bus_{0x40013000, stm32f4::DmaStream(2, 3, 3), stm32f4::DmaStream(2, 2, 3)};
-    stm32f4::PartOnSpi<Bus, ImuMpu6000::Device> on_bus_{bus_, stm32f4::Pin('C', 2), {6, 3}, device};
+    stm32f4::PartOnSpi<kBus, ImuMpu6000::Device> on_bus_{stm32f4::Pin('C', 2), {6, 3}, device};
     stm32f4::EdgeLine line_{'D', 15};
     stm32f4::MillisecondTick tick_;
 };
