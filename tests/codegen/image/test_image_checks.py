@@ -141,7 +141,7 @@ def test_mavlink_and_parameters_fit() -> None:
     image = build(graph, "fmu_v2", executor="cortex_m")
     assert faults_of(image, plan(*check(graph)).graph.nodes) == []
     flash, ram = total_of(image)
-    assert flash < 288 * 1024
+    assert flash < 290 * 1024  # 4 KB of it: IMU, bus, DMA, motor outputs
     assert ram < 64 * 1024
     assert sizes_of(image)["mavlink"][0] < 48 * 1024
 

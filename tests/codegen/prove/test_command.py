@@ -34,7 +34,7 @@ def test_nobody_overlooks_a_guess(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["prove", str(QUAD), "--board", "fmu_v2"]) == 0
     last = capsys.readouterr().out.splitlines()[-1]
     assert last.startswith(
-        "PROVEN ONLY IF GUESSES HOLD. Nothing has measured: costs of fmu_v2, imu0"
+        "PROVEN ONLY IF GUESSES HOLD. Nothing has measured: costs of fmu_v2, mocap0"
     )
 
 
