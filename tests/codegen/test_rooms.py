@@ -24,7 +24,7 @@ ROOMS = (
         "live",
         "params",
     ),
-    *("flight", "charts", "score", "emulator", "bench", "schema", "testing", "commands"),
+    *("flight", "charts", "convert", "score", "emulator", "bench", "schema", "testing", "commands"),
     "__main__",
 )
 RANK = dict.fromkeys(GROUND, 0) | {name: i for i, name in enumerate(ROOMS, 1)}

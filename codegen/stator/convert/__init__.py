@@ -1,0 +1,1 @@
+"""A flight's log for other tools."""
