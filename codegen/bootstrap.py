@@ -1,7 +1,7 @@
 """Installs what `./stator` needs: missing Debian packages, and the Python environment (.venv).
 
 It uses the standard library only, because it runs before anything is installed. Arguments: the
-first line of the stamp, then the missing packages.
+first line of the stamp, "tests" or nothing, then the missing packages.
 """
 
 import importlib.util
@@ -19,6 +19,7 @@ from stator.lock import Held, held  # noqa: E402  (it takes nothing but the stan
 
 ENVIRONMENT = ROOT / ".venv"
 REQUIREMENTS = ROOT / "requirements.txt"
+FOR_TESTS = ROOT / "requirements-test.txt"
 LOG = ROOT / "build" / "setup.log"
 APT = Path("/etc/apt")
 NOT_DONE = 2  # the exit status: codegen/stator/diagnostics.py
@@ -181,13 +182,16 @@ def package_of_venv() -> str:
     return f"python3.{sys.version_info.minor}-venv"
 
 
-def make_environment(lock: Held, wanted_stamp: str, usable: bool) -> None:
+def make_environment(lock: Held, head: str, files: list[Path], usable: bool) -> None:
     stamp, unfinished = ENVIRONMENT / "stamp", ENVIRONMENT / "unfinished"
-    if usable and stamp.exists() and stamp.read_text(encoding="utf-8") == wanted_stamp:
-        return
+    lists = [file.read_text(encoding="utf-8").rstrip("\n") for file in files]
+    wanted = "\n".join([head, *lists])
+    if usable and stamp.exists() and stamp.read_text(encoding="utf-8").startswith(wanted):
+        return  # what is there may be more
     python = ENVIRONMENT / "bin" / "python"
     create = (sys.executable, "-I", "-m", "venv", ENVIRONMENT)
-    install = (python, "-I", "-m", "pip", "install", "--only-binary", ":all:", "-r", REQUIREMENTS)
+    named = [word for file in files for word in ("-r", file)]
+    install = (python, "-I", "-m", "pip", "install", "--only-binary", ":all:", *named)
     by_hand = f"{shell(*create, '--clear')} && {shell(*install)}"
     if not usable and not can_make_environment():
         reason = "cannot install Python packages: missing Python module ensurepip"
@@ -208,11 +212,11 @@ def make_environment(lock: Held, wanted_stamp: str, usable: bool) -> None:
         (site_packages / "stator.pth").write_text(relative + "\n", encoding="utf-8")
     unfinished.unlink()
     temporary = stamp.with_suffix(".new")
-    temporary.write_text(wanted_stamp, encoding="utf-8")
+    temporary.write_text(wanted + "\n", encoding="utf-8")
     temporary.replace(stamp)
 
 
-def set_up(stamp_head: str, packages: list[str]) -> list[SetUpError]:
+def set_up(head: str, for_tests: bool, packages: list[str]) -> list[SetUpError]:
     """Installs everything that it can. Returns the problems."""
     LOG.parent.mkdir(exist_ok=True)
     problems: list[SetUpError] = []
@@ -227,8 +231,8 @@ def set_up(stamp_head: str, packages: list[str]) -> list[SetUpError]:
         except SetUpError as problem:
             problems.append(problem)
         try:
-            stamp = f"{stamp_head}\n{REQUIREMENTS.read_text(encoding='utf-8')}"
-            make_environment(lock, stamp, usable)
+            files = [REQUIREMENTS, *([FOR_TESTS] if for_tests else [])]
+            make_environment(lock, head, files, usable)
         except SetUpError as problem:
             problems.append(problem)
     return problems
@@ -236,7 +240,8 @@ def set_up(stamp_head: str, packages: list[str]) -> list[SetUpError]:
 
 def main(arguments: list[str]) -> int:
     try:
-        problems = set_up(arguments[0], arguments[1:])
+        head, tests, *packages = arguments
+        problems = set_up(head, tests == "tests", packages)
     except KeyboardInterrupt:
         say("set-up interrupted; the next ./stator continues it")
         return 130

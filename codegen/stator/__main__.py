@@ -30,7 +30,7 @@ class Command(NamedTuple):
     line."""
 
     name: str
-    packages: str  # of requirements-apt.txt: "", one name, or a set that ./stator knows
+    needs: str  # sections of requirements-apt.txt, or all; tests: requirements-test.txt, too
     help: str
 
 
@@ -41,15 +41,15 @@ COMMANDS = (
     Command("explain", "", "explain when a node runs, and why"),
     Command("prove", "", "prove that no task and no chain of a graph can be late"),
     Command("whatif", "", "show which bounds move if a rate, a priority or a budget changes"),
-    Command("measure", "all", "measure budgets in the emulator, for prove"),
+    Command("measure", "host firmware emulator", "measure budgets in the emulator, for prove"),
     Command("new", "", "write a new app or graph"),
     Command("fly", "host", "fly a graph in simulation and judge the flight"),
     Command("simulate", "host", "be the simulator of another autopilot, by HIL messages"),
-    Command("debug", "debugger", "fly a graph under a debugger, stopped where a node steps"),
+    Command("debug", "host debugger", "fly a graph under a debugger, stopped where a node steps"),
     Command("run", "host", "run a graph in real time on this machine"),
-    Command("build", "all", "build the firmware of a graph and show its size"),
-    Command("flash", "all", "write the firmware of a graph to a board"),
-    Command("emulate", "all", "fly the firmware of a graph in an emulator"),
+    Command("build", "host firmware", "build the firmware of a graph and show its size"),
+    Command("flash", "host firmware", "write the firmware of a graph to a board"),
+    Command("emulate", "host firmware emulator", "fly the firmware of a graph in an emulator"),
     Command("top", "", "show the tasks of a running vehicle"),
     Command("listener", "", "print the samples of a topic of a running vehicle"),
     Command("perf", "", "show the measured times of a running vehicle beside their bounds"),
@@ -60,9 +60,9 @@ COMMANDS = (
     Command("convert", "", "write the log of a flight for other tools: MCAP, CSV"),
     Command("replay", "host", "repeat a recorded flight and compare every sample"),
     Command("score", "host", "score an estimator on recorded sensor data"),
-    Command("bench", "host", "compare speed with other software, as ratios within one run"),
+    Command("bench", "host tests", "compare speed with other software, as ratios within one run"),
     Command("test", "all", "run all tests"),
-    Command("lint", "host", "check the format and style of the code"),
+    Command("lint", "host tests", "check the format and style of the code"),
     Command("schema", "", "print the JSON Schema of graph files, for editors"),
     Command("completion", "", "print the completion of this command line for a shell"),
     Command("setup", "all", "install missing tools and packages"),  # done by ./stator itself

@@ -20,9 +20,19 @@ MACHTYPE = subprocess.run(
 ).stdout.strip()
 
 
+APT = """# a comment
+[host]
+hovercraft  hover
+[tests]
+# another
+wind-tunnel  blow
+"""
+
+
 class Machine:
     """A made-up machine: a project folder with a space in its name, and a PATH that has only the
-    programs named here. It needs one Debian package, `hovercraft`, for building."""
+    programs named here. It needs one Debian package, `hovercraft`, for building, and one for
+    tests."""
 
     def __init__(self, folder: Path) -> None:
         self.project = folder / "a b" / "stator"
@@ -38,7 +48,8 @@ class Machine:
         self.write(self.project / "stator", script)
         shutil.copy(ROOT / "codegen" / "bootstrap.py", self.project / "codegen")
         (self.project / "requirements.txt").write_text("# none\n")
-        (self.project / "requirements-apt.txt").write_text("# a comment\nhovercraft  hover\n")
+        (self.project / "requirements-test.txt").write_text("# of tests\n")
+        (self.project / "requirements-apt.txt").write_text(APT)
         for program in ("bash", "env", "readlink"):
             (self.bin / program).symlink_to(shutil.which(program) or "")
 
@@ -52,11 +63,11 @@ class Machine:
             self.bin / name, f'#!{self.bin}/bash\necho "{name} $*" >>"{self.calls}"\n{script}'
         )
 
-    def add_ready_environment(self) -> None:
+    def add_ready_environment(self, lists: str = "# none\n") -> None:
         """A stand-in for the finished one; its interpreter prints how it was called."""
         environment = self.project / ".venv"
         self.write(environment / "bin" / "python", f'#!{self.bin}/bash\necho "ran: $*"\n')
-        (environment / "stamp").write_text(f"{MACHTYPE}\n# none\n")
+        (environment / "stamp").write_text(f"{MACHTYPE}\n{lists}")
 
     def run(self, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
@@ -77,8 +88,9 @@ def machine(tmp_path: Path) -> Machine:
 
 
 def test_with_everything_in_place_it_only_starts_the_command_line(machine: Machine) -> None:
-    machine.add_ready_environment()
+    machine.add_ready_environment("# none\n# of tests\n")
     machine.add_program("hover")
+    machine.add_program("blow")
     (machine.project / "codegen" / "bootstrap.py").unlink()  # nothing to set up, so not run
     for command in ("check", "fly", "test"):
         result = machine.run(command, "x y", "*")
@@ -96,9 +108,25 @@ def test_it_works_through_links(machine: Machine, tmp_path: Path) -> None:
     assert result.stdout == b"ran: -I -X utf8 -m stator check\n"
 
 
-def test_setup_with_everything_in_place_says_so(machine: Machine) -> None:
+def test_what_only_tests_need_is_for_tests(machine: Machine) -> None:
     machine.add_ready_environment()
     machine.add_program("hover")
+    assert machine.run("fly").stdout == "ran: -I -X utf8 -m stator fly\n"
+    result = machine.run("test", STATOR_PYTHON=REAL_PYTHON)
+    assert result.returncode == 2
+    assert "missing apt-get to install: wind-tunnel\n" in result.stdout
+    assert "stator: installing Python packages" in result.stdout
+    stamp = machine.project / ".venv" / "stamp"
+    assert stamp.read_text() == f"{MACHTYPE}\n# none\n# of tests\n"
+    machine.add_program("blow")
+    for command in ("test", "fly"):
+        assert machine.run(command).stdout == f"ran: -I -X utf8 -m stator {command}\n"
+
+
+def test_setup_with_everything_in_place_says_so(machine: Machine) -> None:
+    machine.add_ready_environment("# none\n# of tests\n")
+    machine.add_program("hover")
+    machine.add_program("blow")
     result = machine.run("setup")
     assert (result.returncode, result.stdout) == (0, "stator: everything is installed\n")
 
@@ -258,9 +286,9 @@ def test_two_at_once_wait_for_each_other(machine: Machine) -> None:
 
 def test_it_knows_for_each_command_what_that_needs() -> None:
     script = (ROOT / "stator").read_text()
-    needed = re.search(r"needed_packages\(\) \{\n.*?\n\}", script, re.DOTALL)
+    needed = re.search(r"needed_sections\(\) \{\n.*?\n\}", script, re.DOTALL)
     assert needed is not None
     for command in COMMANDS:
-        code = f"root={shlex.quote(str(ROOT))}\n{needed[0]}\nneeded_packages {command.name}"
+        code = f"root={shlex.quote(str(ROOT))}\n{needed[0]}\nneeded_sections {command.name}"
         said = subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True)
-        assert said.stdout.strip() == command.packages, command
+        assert said.stdout.strip() == command.needs, command
