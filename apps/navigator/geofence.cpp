@@ -25,7 +25,10 @@ class Crossings {
     unsigned sort() {
         parts_[count_++] = 0.0F;
         parts_[count_++] = 1.0F;
-        std::sort(parts_.begin(), parts_.begin() + count_);
+        // Not by std::sort, which calls itself: the stack of an image has a bound.
+        const auto end = parts_.begin() + count_;
+        std::make_heap(parts_.begin(), end);
+        std::sort_heap(parts_.begin(), end);
         return count_;
     }
     float at(unsigned i) const { return parts_[i]; }

@@ -213,7 +213,8 @@ function(stator_add_graph target graph board)
     endif()
     if(graph_executor STREQUAL "cortex_m")
         set(script "${CMAKE_BINARY_DIR}/generated/${target}/image.ld")
-        target_link_options(${target} PRIVATE "-T${script}" "-Wl,-Map=$<TARGET_FILE:${target}>.map")
+        target_link_options(${target} PRIVATE "-T${script}" "-Wl,-Map=$<TARGET_FILE:${target}>.map"
+            -fcallgraph-info=su)  # the frames of all functions, for the bound of the stack
         set_target_properties(${target} PROPERTIES LINK_DEPENDS "${script}" SUFFIX ".elf")
     endif()
 endfunction()

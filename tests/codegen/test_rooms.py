@@ -19,6 +19,7 @@ ROOMS = (
         "prove",
         "emit",
         "pipeline",
+        "image",
         "build",
         "mission",
         "live",

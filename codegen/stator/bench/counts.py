@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from stator import HOME
 from stator.build.cmake import NO_WALLS, PLAIN, RECORDING, build
-from stator.build.image_checks import sections_of
 from stator.emulator.qemu import find_emulator, qemu_command
+from stator.image.checks import sections_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

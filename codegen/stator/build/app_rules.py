@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from stator import HOME
-from stator.build.image_checks import LIBM
 from stator.diagnostics import ANSWER_IS_NO, Error, Mark
+from stator.image.checks import LIBM
 from stator.processes import environment
 
 if TYPE_CHECKING:

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.build.cmake import build
-from stator.build.image_checks import faults_of
 from stator.build.px4_file import write_px4
 from stator.diagnostics import BuildFailed
+from stator.image.checks import faults_of
+from stator.image.handlers import stack_of_graph
 from stator.pipeline import make_buildable_plan
 from stator.plan.hash import graph_hash
 from stator.processes import environment
@@ -26,7 +27,9 @@ TOOLS = "arm-none-eabi-"
 def build_image(graph: Path, board: str | None, variant: Mapping[str, str] | None = None) -> Path:
     """Builds the image for bare metal. Raises `BuildFailed` if it breaks a rule of images."""
     image = build(graph, board, variant, executor="cortex_m")
-    faults = faults_of(image, make_buildable_plan(str(graph), board).graph.nodes)
+    plan = make_buildable_plan(str(graph), board)
+    stack = stack_of_graph(plan, image)
+    faults = [*faults_of(image, plan.graph.nodes), *stack.faults, *stack.overflows()]
     if faults:
         raise BuildFailed("\n".join(faults))
     return image

@@ -8,37 +8,18 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from tests.codegen.image.planted import STRICT, image
 from tests.emulation.firmware_tools import needs_toolchain
 
 from stator import HOME
 from stator.bench.counts import GRAPHS
 from stator.build.cmake import NO_WALLS, build
 from stator.build.image import sizes_of, total_of
-from stator.build.image_checks import faults_of, sections_of
 from stator.graph.check import check
+from stator.image.checks import faults_of, sections_of
 from stator.plan.plan import plan
 
 CORE_VECTORS = 16  # ARMv7-M: the stack pointer and 15 exceptions
-FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-O1", "-g"]
-STRICT = ["-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics", "-fno-math-errno"]
-
-
-def image(folder: Path, code: str, *flags: str) -> Path:
-    needs_toolchain()
-    source, result = folder / "planted.cpp", folder / "planted.elf"
-    source.write_text(code)
-    command = ["arm-none-eabi-g++", "-std=c++20", *FLAGS, *(flags or STRICT), "--specs=nosys.specs"]
-    command += [
-        "-nostartfiles",
-        "-Wl,-emain",
-        "-Wl,--defsym=__dso_handle=0",
-        "-Wl,--gc-sections",
-        "-ffunction-sections",
-    ]
-    subprocess.run([*command, source, "-o", result], check=True, capture_output=True)
-    return result
-
-
 CLEAN = "volatile float a = 2.0f; int main() { a = a * a; return 0; }"
 
 

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import os
 import re
-import subprocess
 from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator import HOME
-from stator.processes import environment
+from stator.diagnostics import shown_path
+from stator.image.tools import run
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
 
-TOOLS = "arm-none-eabi-"
 FUNCTION = re.compile(r"^([0-9a-f]+) <(.+)>:$")
 # A branch to the first instruction of a function is a call, or a call that does not return here.
 _CALL = re.compile(r"^ *([0-9a-f]+):\tb\S*\t([0-9a-f]+) <")
@@ -40,6 +39,11 @@ class Frame:
     function: str
     file: str
     line: int
+
+    @property
+    def place(self) -> str:
+        """As errors begin; empty if it is not known."""
+        return f"{shown_path(Path(self.file))}:{self.line}: " if self.line else ""
 
     @property
     def is_project(self) -> bool:
@@ -142,28 +146,27 @@ class Calls:
     def _read_frames(self, calls: Collection[int]) -> None:
         """The function that has each call, after those inlined there, the innermost first."""
         wanted = [call for call in calls if call not in self._frames]
-        text = "\n".join(map(hex, wanted))
-        command = [TOOLS + "addr2line", "-a", "-i", "-f", "-C", "-e", str(self._image)]
-        lines = subprocess.run(
-            command,
-            input=text,
-            env=environment(),
-            check=True,
-            capture_output=True,
-            text=True,
-        ).stdout.splitlines()
-        frames: list[Frame] = []
-        rows = iter(lines)
-        for row in rows:
-            if re.fullmatch("0x[0-9a-f]{8}", row):
-                frames = self._frames.setdefault(int(row, 16), [])
-                continue
-            file, _, line = next(rows).partition(" (")[0].rpartition(":")
-            known = row != "??"
-            number = int(line) if line.isdigit() else 0
-            frames.append(Frame(short(row) if known else "", os.path.normpath(file), number))
+        self._frames |= frames_at(self._image, wanted)
         for call in wanted:
             last = self._frames[call][-1]
             if not last.function:  # without debugging information
                 name = self._names[self._within[call]]
                 self._frames[call][-1] = Frame(name, last.file, last.line)
+
+
+def frames_at(image: Path, addresses: Iterable[int]) -> dict[int, list[Frame]]:
+    """The function that has each instruction, after those inlined there, the innermost first."""
+    text = "\n".join(map(hex, addresses))
+    lines = run("addr2line", "-a", "-i", "-f", "-C", "-e", str(image), text=text).splitlines()
+    found: dict[int, list[Frame]] = {}
+    frames: list[Frame] = []
+    rows = iter(lines)
+    for row in rows:
+        if re.fullmatch("0x[0-9a-f]{8}", row):
+            frames = found.setdefault(int(row, 16), [])
+            continue
+        file, _, line = next(rows).partition(" (")[0].rpartition(":")
+        known = row != "??"
+        number = int(line) if line.isdigit() else 0
+        frames.append(Frame(short(row) if known else "", os.path.normpath(file), number))
+    return found

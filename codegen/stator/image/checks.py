@@ -7,21 +7,18 @@ whose interface says why they need it, and in constructors, which run before the
 from __future__ import annotations
 
 import re
-import subprocess
 from collections import defaultdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stator.build.image_calls import BEFORE_START, FUNCTION, Calls, Place
 from stator.diagnostics import shown_path
-from stator.processes import environment
+from stator.image.calls import BEFORE_START, FUNCTION, Calls, Place
+from stator.image.tools import run
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from stator.graph.model import Node
-
-TOOLS = "arm-none-eabi-"
 
 # Forbidden symbols, and what they mean.
 DOUBLE = (
@@ -77,7 +74,7 @@ def double_lines(image: Path) -> dict[str, int]:
 
 def _dma_faults(image: Path) -> list[str]:
     """DMA does not reach the core-coupled memory, which holds the stack only."""
-    symbols = [line.split(maxsplit=2) for line in _run("nm", "-C", str(image)).splitlines()]
+    symbols = [line.split(maxsplit=2) for line in run("nm", "-C", str(image)).splitlines()]
     at = {parts[2]: int(parts[0], 16) for parts in symbols if len(parts) == 3}
     stack = range(at.get(STACK[0], 0), at.get(STACK[1], 0))
     return [
@@ -144,7 +141,7 @@ def _double_hint(node: Node | None) -> str:
 
 
 def _symbols(image: Path) -> list[tuple[int, str]]:
-    rows = (line.split() for line in _run("nm", str(image)).splitlines())
+    rows = (line.split() for line in run("nm", str(image)).splitlines())
     return [(int(row[0], 16) & ~1, row[-1]) for row in rows if len(row) == 3]
 
 
@@ -155,7 +152,7 @@ def _calls(image: Path, code: str, symbols: list[tuple[int, str]]) -> Calls:
 
 
 def _code(image: Path) -> str:
-    return _run("objdump", "-d", "-C", "--no-show-raw-insn", str(image))
+    return run("objdump", "-d", "-C", "--no-show-raw-insn", str(image))
 
 
 def _instruction_faults(code: str) -> list[str]:
@@ -218,13 +215,3 @@ def _longest_section(body: str) -> int:
         if name == "msr" and (operands or "").upper().startswith("BASEPRI_MAX")
     ]
     return max((longest(i + 1, 0) for i in raised), default=0)
-
-
-def _run(tool: str, *arguments: str) -> str:
-    return subprocess.run(
-        [TOOLS + tool, *arguments],
-        env=environment(),
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout
