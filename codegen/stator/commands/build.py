@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 from stator.arguments import add_verbose_argument, path
 from stator.build.cmake import SLEEP
-from stator.build.image import build_image, image_files, sizes_of, total_of
+from stator.build.image import build_image, image_files
 from stator.diagnostics import shown_path
 from stator.image.checks import double_lines, sections_of
+from stator.image.memory import sizes_of, total_of
 from stator.pipeline import make_buildable_plan
 from stator.plan.text import show_notes, unbound_devices
 

@@ -1,13 +1,19 @@
-"""`./stator prove`: the worst response time of each task and chain, against its deadline."""
+"""`./stator prove`: the worst response time of each task and chain against its deadline, and the
+worst case of the stack and the memory of the image."""
 
 from __future__ import annotations
 
 import json
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stator.arguments import add_graph_arguments
+from stator.build.cmake import build
 from stator.diagnostics import ANSWER_IS_NO, in_place
+from stator.image.handlers import stack_of_graph
+from stator.image.memory import memory_of
+from stator.image.report import memory_facts, memory_text, stack_facts, stack_text
 from stator.pipeline import make_plan
 from stator.prove.changes import shortest_period_us
 from stator.prove.needs import require_provable
@@ -18,6 +24,8 @@ from stator.prove.report import facts, text
 if TYPE_CHECKING:
     import argparse
 
+    from stator.image.memory import Memory
+    from stator.image.stack import Stack
     from stator.plan.plan import Plan
 
 
@@ -27,6 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--max-rate",
         metavar="NODE",
         help="find the shortest period of this node's line or timer with which all still holds",
+    )
+    parser.add_argument(
+        "--no-image", action="store_true", help="times only: builds no image for stack and memory"
     )
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
@@ -38,15 +49,40 @@ def main(arguments: argparse.Namespace) -> int:
         return _max_rate(plan, arguments)
     proof = prove(plan)
     errors = problems(proof)
+    image = None if arguments.no_image else _image(plan, arguments)
+    broken = [] if image is None else [*image[0].faults, *image[0].overflows()]
+    holds = proof.holds and not broken
     if arguments.json:
-        shown = {**facts(proof), "errors": [error.as_json() for error in errors]}
+        shown = {**facts(proof), "stack_bytes": None, "stack_limit_bytes": None, "proven": holds}
+        if image is not None:
+            shown |= stack_facts(image[0])
+            shown["memory"] |= memory_facts(plan, image[1])
+        shown["errors"] = [error.as_json() for error in errors]
+        shown["image_errors"] = broken
         print(json.dumps(shown, indent=2))
-    else:
-        print(text(proof), end="")
-        sys.stdout.flush()
-        for error in errors:
-            print(in_place(f"\n{error.text()}"), file=sys.stderr)
-    return 0 if proof.holds else ANSWER_IS_NO
+        return 0 if holds else ANSWER_IS_NO
+    print(text(proof, _image_lines(plan, image, arguments), is_broken=bool(broken)), end="")
+    sys.stdout.flush()
+    for error in [*(error.text() for error in errors), *broken]:
+        print(in_place(f"\n{error}"), file=sys.stderr)
+    return 0 if holds else ANSWER_IS_NO
+
+
+def _image(plan: Plan, arguments: argparse.Namespace) -> tuple[Stack, Memory] | None:
+    """None: its board has no code. Raises `BuildFailed`."""
+    if not any(plan.board.file.parent.glob("*.cpp")):
+        return None
+    image = build(Path(arguments.graph), arguments.board, executor="cortex_m")
+    return stack_of_graph(plan, image), memory_of(plan, image)
+
+
+def _image_lines(
+    plan: Plan, image: tuple[Stack, Memory] | None, arguments: argparse.Namespace
+) -> list[str]:
+    if image is None:
+        why = "--no-image" if arguments.no_image else f"board {plan.board.name} has no code"
+        return [f"stack and memory: not computed ({why})"]
+    return [*memory_text(plan, image[1]), "", *stack_text(image[0])]
 
 
 def _max_rate(plan: Plan, arguments: argparse.Namespace) -> int:

@@ -150,7 +150,7 @@ class _Depths:
     def _calls(self, at: int, frame: Frame) -> Iterator[tuple[Call, int]]:
         for call in frame.calls:
             if call.target is not None and self._code.function_at(call.target) is None:
-                self._refuse("calls what is no function: its stack has no size", call.at)
+                self._refuse("calls what is not a function: its stack has no size", call.at)
                 continue
             if call.target is not None:
                 yield call, call.target

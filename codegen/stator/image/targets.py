@@ -26,7 +26,7 @@ class Row:
 
 
 # What a board hands to its drivers and to the link.
-OF_BOARD = r"stator::(board|stm32f4)::.*|stator::restart"
+OF_BOARD = r"stator::(board|stm32f4)::(?!\w+_interrupt$).*|stator::restart"
 ROWS = (
     # Topics that several levels publish have these in a table of their own.
     Row(

@@ -9,6 +9,8 @@ from stator.plan.text import text_table
 from stator.prove.problems import shown_ns
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from stator.prove.proof import Proof
 
 NAMES_SHOWN = 8
@@ -62,7 +64,8 @@ def facts(proof: Proof) -> dict[str, Any]:
     }
 
 
-def text(proof: Proof) -> str:
+def text(proof: Proof, image: Sequence[str] = (), *, is_broken: bool = False) -> str:
+    """`image`: lines about it. `is_broken`: whether it breaks a bound."""
     plan = proof.plan
     lines = [f"graph {plan.graph.name} on {plan.board.name}", ""]
     rows = [("task", "level", "budget", "from", "response", "deadline", "slack", "")]
@@ -90,8 +93,10 @@ def text(proof: Proof) -> str:
             f"queue {queue.topic}: depth {queue.depth}, and {queue.reader} needs "
             f"{queue.needed or 'more'}: it {lost}"
         )
+    lines += ["", *image] if image else []
     lines += ["", f"all tasks together take {100 * proof.load:.1f} % of the processor"]
-    return "\n".join([*lines, *verdict(proof)]) + "\n"
+    result = ["NOT PROVEN: the image"] if is_broken and proof.holds else verdict(proof)
+    return "\n".join([*lines, *result]) + "\n"
 
 
 def _chains(proof: Proof) -> list[str]:

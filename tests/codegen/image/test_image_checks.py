@@ -14,9 +14,9 @@ from tests.emulation.firmware_tools import needs_toolchain
 from stator import HOME
 from stator.bench.counts import GRAPHS
 from stator.build.cmake import NO_WALLS, build
-from stator.build.image import sizes_of, total_of
 from stator.graph.check import check
 from stator.image.checks import faults_of, sections_of
+from stator.image.memory import sizes_of, total_of
 from stator.plan.plan import plan
 
 CORE_VECTORS = 16  # ARMv7-M: the stack pointer and 15 exceptions

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import pytest
 from tests.codegen.image.planted import STRICT, image
+from tests.emulation.firmware_tools import needs_toolchain
 
+from stator import HOME
+from stator.__main__ import main
 from stator.image.stack import FPU_FRAME, PLAIN_FRAME, Root, Stack, stack_of
 from stator.image.tools import addresses
 
@@ -101,7 +105,7 @@ def test_a_switch_by_a_table_and_a_library_without_source_have_a_bound(tmp_path:
         (
             'asm(".global nowhere; .set nowhere, 0x100"); extern "C" void nowhere(); '
             "{main} nowhere(); }",
-            "main calls what is no function: its stack has no size",
+            "main calls what is not a function: its stack has no size",
         ),
         (
             '{main} asm volatile("push {r0-r3}\\n pop {r0-r3}"); }',
@@ -118,3 +122,36 @@ def test_what_has_no_bound_is_refused(tmp_path: Path, code: str, expected: str) 
     faults = planted(tmp_path, code).faults
     assert any(expected in fault for fault in faults), faults
     assert all(fault.startswith(f"{tmp_path}/planted.cpp:2: error: ") for fault in faults), faults
+
+
+def test_the_proof_of_the_quad_has_its_stack_and_its_memory(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The sums of the parts are the whole."""
+    needs_toolchain()
+    assert main(["prove", str(HOME / "graph" / "quad.yaml"), "--board", "fmu_v2", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["image_errors"] == []
+    levels = {row["level"] for row in facts["stack"]}
+    worst = {
+        level: max(r["bytes"] + r["frame_bytes"] for r in facts["stack"] if r["level"] == level)
+        for level in levels
+    }
+    assert 0 <= facts["stack_bytes"] - sum(worst.values()) < 8
+    assert facts["stack_bytes"] < facts["stack_limit_bytes"] == 64 * 1024
+    assert facts["fault_stack_bytes"] < facts["fault_stack_limit_bytes"] == 1024
+    names = {row["name"] for row in facts["stack"]}
+    assert {"start and monitor", "the timer's handler", "rate_control", "logger"} <= names
+
+    memory = facts["memory"]
+    assert memory["flash_bytes"] < memory["flash_limit_bytes"] == 2_080_768
+    assert memory["ram_bytes"] < memory["ram_limit_bytes"]
+    parts = [memory[part] for part in ("topics", "tasks", "apps", "drivers", "others")]
+    for key in ("flash_bytes", "ram_bytes"):
+        known = sum(sizes[key] for part in parts for sizes in part.values())
+        assert 0 <= memory[key] - known < memory[key] / 12  # gaps, and texts without a symbol
+    for topic, slots in memory["topic_bytes"].items():
+        if topic in memory["topics"]:
+            assert memory["topics"][topic]["ram_bytes"] >= slots
+    assert set(memory["nodes"]) == {task["name"] for task in facts["tasks"]}
+    assert memory["nodes"]["rate_control"]["flash_bytes"] > 500
