@@ -20,9 +20,8 @@ _NUMBER = re.compile(r"#(-?\d+)")
 _REGISTERS = re.compile(r"\b(r\d+|sl|fp|ip|lr)\b")
 _LOADED = re.compile(r"^\(?([0-9a-f]+)\b")
 _TABLES = {"tbb": 1, "tbh": 2}
-_SAVED = frozenset(
-    ("r4", "r5", "r6", "r7", "r8", "r9", "sl", "fp")
-)  # by the function that is called
+# By the function that is called.
+_SAVED = frozenset(("r4", "r5", "r6", "r7", "r8", "r9", "sl", "fp"))
 _WORD = 4
 Known = tuple[tuple[str, int], ...]  # registers that hold an address
 
