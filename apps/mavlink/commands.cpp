@@ -1,4 +1,6 @@
 // Commands, and their answers.
+#include <algorithm>
+
 #include "flight_modes.hpp"
 #include "mavlink.hpp"
 #include "stator/scalar.hpp"
@@ -85,6 +87,8 @@ void Mavlink::handle_command(const Request& request, MavlinkPorts& ports) {
         }
         case cmd::kPreflightRebootShutdown:
             return restart(request, ports);
+        case cmd::kPreflightCalibration:
+            return calibrate(request, ports);
         default:
             return handle_flight_command(request, ports);
     }
@@ -102,6 +106,34 @@ void Mavlink::restart(const Request& request, MavlinkPorts& ports) {
     if (restarted_us_ == ports.now) return;  // asked twice
     restarted_us_ = ports.now;
     ports.restart.publish([&] { return RestartRequest{.source = request.from.system}; });
+}
+
+// One of them, disarmed; all zeros end the one that runs.
+void Mavlink::calibrate(const Request& request, MavlinkPorts& ports) {
+    using Kind = CalibrationRequest::Action;
+    const auto& p = request.param;
+    const std::array<double, 7> wanted{static_cast<double>(p[0]),     static_cast<double>(p[1]),
+                                       static_cast<double>(p[2]),     static_cast<double>(p[3]),
+                                       request.latitude_deg,          request.longitude_deg,
+                                       static_cast<double>(request.z)};
+    const auto count = std::ranges::count_if(wanted, [](double value) { return value != 0.0; });
+    Kind kind = Kind::kCancel;
+    if (wanted[0] == 1.0) kind = Kind::kGyro;
+    if (wanted[1] == 1.0) kind = Kind::kMag;
+    if (wanted[4] == 1.0) kind = Kind::kAccel;
+    if (wanted[4] == 2.0) kind = Kind::kLevel;
+    const bool is_known = count == 0 || (count == 1 && kind != Kind::kCancel);
+    if (!is_known || !ports.calibration.is_connected())
+        return answer(request, result::kUnsupported);
+    const bool is_disarmed =
+        ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kDisarmed;
+    const bool is_busy = ports.calibrating && ports.calibrating->is_running;
+    const bool is_possible = kind == Kind::kCancel || (is_disarmed && !is_busy);
+    if (!is_possible) return answer(request, result::kTemporarilyRejected);
+    answer(request, result::kAccepted);
+    if (calibrated_us_ == ports.now) return;  // asked twice
+    calibrated_us_ = ports.now;
+    ports.calibration.publish([&] { return CalibrationRequest{.action = kind}; });
 }
 
 void Mavlink::handle_flight_command(const Request& request, MavlinkPorts& ports) {

@@ -144,6 +144,17 @@ void Mavlink::tell_reached(const MavlinkPorts& ports) {
     }
 }
 
+void Mavlink::tell_notices(MavlinkPorts& ports) {
+    while (ports.notice.next()) {
+        const StatusText& notice = *ports.notice;
+        mav::Statustext text{.severity = static_cast<uint8_t>(notice.severity)};
+        for (std::size_t i = 0; i < text.text.size(); ++i) {
+            text.text[i] = static_cast<char>(notice.text[i]);
+        }
+        for (Line& line : lines_) line.link.send(text);
+    }
+}
+
 void Mavlink::tell_due(unsigned number, const MavlinkPorts& ports) {
     Line& line = lines_[number];
     // A station that asks too much must not think that the vehicle is gone.
@@ -192,6 +203,7 @@ void Mavlink::step(MavlinkPorts& ports) {
     files_.step(lines_, ports);
     consoles_.step(lines_, ports);
     tell_reached(ports);
+    tell_notices(ports);
     for (unsigned i = 0; i < kLinks; ++i) {
         if (link(i).is_open()) tell_due(i, ports);
     }

@@ -67,6 +67,7 @@ class Mavlink {
     template <class Message>
     bool is_for_us(const Message& message) const;
     void tell_reached(const MavlinkPorts& ports);
+    void tell_notices(MavlinkPorts& ports);
     void tell_due(unsigned number, const MavlinkPorts& ports);
     void send_waiting(unsigned number, Output<SerialBytes>& output);
     Link& link(unsigned number) { return lines_[number].link; }
@@ -77,6 +78,7 @@ class Mavlink {
     void handle_request_modes(const Request& request);
     void handle_flight_command(const Request& request, MavlinkPorts& ports);
     void restart(const Request& request, MavlinkPorts& ports);
+    void calibrate(const Request& request, MavlinkPorts& ports);
     void set_mode(const Request& request, uint32_t main, uint32_t sub, MavlinkPorts& ports);
     void command(const Request& request, const VehicleCommand& wish, MavlinkPorts& ports);
     VehicleCommand go_to(const Request& request) const;
@@ -96,6 +98,7 @@ class Mavlink {
     Pending pending_;
     int32_t reached_ = -1;  // the item that was told last
     uint64_t restarted_us_ = 0;
+    uint64_t calibrated_us_ = 0;
     uint64_t last_us_ = 0;
 };
 

@@ -1,12 +1,18 @@
 // The IMU of a simulated board.
 #include "imu_sim.hpp"
 
+#include "../imu_calibration.hpp"
+
 namespace stator::drivers::imu::sim {
 
 void ImuSim::step(ImuPorts& ports) {
     if (!ports.fired.data_ready) return;
     // A copy, as a burst read makes one: time may pass between the two publications.
-    const Device sample = device_;
+    Device sample = device_;
+    if (ports.calibration) {
+        sample.gyro_B = calibrated_gyro(*ports.calibration, sample.gyro_B);
+        sample.accel_B = calibrated_accel(*ports.calibration, sample.accel_B);
+    }
     ports.accel.publish([&] {
         return SensorAccel{.timestamp_sample = sample.timestamp_sample, .xyz = sample.accel_B};
     });

@@ -168,6 +168,8 @@ class MavlinkTest : public ::testing::Test {
                            .parameter = parameter_ ? Input(*parameter_) : Input<ParameterValue>(),
                            .parameter_file = piece_ ? Input(*piece_) : Input<FilePiece>(),
                            .printed = printed_ ? Input(*printed_) : Input<ShellText>(),
+                           .notice = notice_ ? Input(*notice_) : Input<StatusText>(),
+                           .calibrating = Input(calibrating_),
                            .params = Input(params_, is_first_),
                            .metadata = &metadata_};
         Everything<SerialBytes> first(ports.send1, now_us_, Link::kPieces);
@@ -182,7 +184,11 @@ class MavlinkTest : public ::testing::Test {
         Everything<RestartRequest> restarts(ports.restart, now_us_, 1);
         Everything<FileRequest> wanted_pieces(ports.file_request, now_us_, 1);
         Everything<ShellText> typed(ports.typed, now_us_, 5);
+        Everything<CalibrationRequest> calibrations(ports.calibration, now_us_, 1);
         node_.step(ports);
+        notice_.reset();
+        EXPECT_EQ(ports.calibration.refused(), 0);
+        for (const auto& sample : calibrations.all()) calibrations_.push_back(sample);
         EXPECT_EQ(ports.typed.refused(), 0);
         printed_.reset();
         for (const ShellText& text : typed.all()) take(text);
@@ -402,6 +408,9 @@ class MavlinkTest : public ::testing::Test {
     };
     std::vector<Parameter> parameters_;
     std::optional<ParameterValue> parameter_;
+    std::optional<StatusText> notice_;
+    CalibrationStatus calibrating_{};
+    std::vector<CalibrationRequest> calibrations_;
     std::optional<ShellText> printed_;
     std::array<std::string, 2> shell_;  // what it has yet to print
     unsigned new_consoles_ = 0;

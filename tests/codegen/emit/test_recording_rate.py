@@ -94,8 +94,8 @@ def test_an_output_that_is_published_seldom_counts_with_its_interval() -> None:
     worst, usual = Rates(graph.graph), Rates(graph.graph, usual=True)
     assert usual.topic("mission_items") == 100_000
     assert worst.topic("mission_items") == worst.node("mission0")
-    # Stations, terminals and consoles ask the node of parameters, each at most so often.
-    assert usual.topic("parameter_request") == Fraction(100_000, 3)
+    # Stations, terminals, consoles and calibration ask the node of parameters.
+    assert usual.topic("parameter_request") == Fraction(100_000, 4)
     assert usual.topic("sensor_gyro") == worst.topic("sensor_gyro")
     assert bytes_per_second(graph, usual=True) < bytes_per_second(graph)
 

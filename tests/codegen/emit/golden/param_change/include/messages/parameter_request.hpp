@@ -15,6 +15,7 @@ struct ParameterRequest {
         kLink = 2,
         kMavlink = 3,
         kShell = 4,
+        kCalibration = 5,
     };
 
     enum class Action : uint8_t {

@@ -15,6 +15,7 @@ struct ParameterValue {
         kLink = 2,
         kMavlink = 3,
         kShell = 4,
+        kCalibration = 5,
     };
 
     enum class Result : uint8_t {
