@@ -122,9 +122,9 @@ def test_mavlink_and_parameters_fit() -> None:
     image = build(graph, "fmu_v2", executor="cortex_m")
     assert faults_of(image, plan(*check(graph)).graph.nodes) == []
     flash, ram = total_of(image)
-    assert flash < 290 * 1024  # 4 KB of it: IMU, bus, DMA, motor outputs
+    assert flash < 272 * 1024
     assert ram < 64 * 1024
-    assert sizes_of(image)["mavlink"][0] < 48 * 1024
+    assert sizes_of(image)["mavlink"][0] < 40 * 1024
 
 
 def vectors_of(image: Path, folder: Path) -> list[str]:

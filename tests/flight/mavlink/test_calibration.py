@@ -1,13 +1,14 @@
 """A ground station calibrates the gyro and the horizon of a vehicle that stands on the ground, as
-QGroundControl does; the vehicle flies with it."""
+QGroundControl does; the vehicle flies with it, and the flight replays."""
 
 from __future__ import annotations
 
+import subprocess
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pyulog import ULog
-from tests.flight.mavlink.vehicle import Station, flying, free_port, mavlink
+from tests.flight.mavlink.vehicle import COMMAND, Station, flying, free_port, mavlink
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -83,3 +84,7 @@ def test_gyro_and_level(tmp_path: Path) -> None:
     among = (accel["timestamp"] >= after_us) & (accel["timestamp"] < after_us + 2e6)
     for i in range(2):
         assert abs(accel[f"xyz[{i}]"][among].mean()) < 0.02
+    replayed = subprocess.run(
+        [*COMMAND, "replay", str(log)], capture_output=True, text=True, check=False
+    )
+    assert replayed.returncode == 0, replayed.stdout + replayed.stderr
