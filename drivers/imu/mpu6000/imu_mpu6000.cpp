@@ -3,6 +3,8 @@
 
 #include <cstdlib>
 
+#include "../imu_calibration.hpp"
+
 namespace stator::drivers::imu::mpu6000 {
 
 namespace {
@@ -196,11 +198,14 @@ void ImuMpu6000::publish(ImuPorts& ports) {
         return body;
     };
     const uint64_t time_us = device_.time_us;
-    ports.accel.publish([&] {
-        return SensorAccel{.timestamp_sample = time_us, .xyz = axes(1, kMeterPerS2PerLsb)};
-    });
-    ports.gyro.publish(
-        [&] { return SensorGyro{.timestamp_sample = time_us, .xyz = axes(9, kRadPerLsb)}; });
+    Xyz accel = axes(1, kMeterPerS2PerLsb);
+    Xyz gyro = axes(9, kRadPerLsb);
+    if (ports.calibration) {
+        accel = calibrated_accel(*ports.calibration, accel);
+        gyro = calibrated_gyro(*ports.calibration, gyro);
+    }
+    ports.accel.publish([&] { return SensorAccel{.timestamp_sample = time_us, .xyz = accel}; });
+    ports.gyro.publish([&] { return SensorGyro{.timestamp_sample = time_us, .xyz = gyro}; });
 }
 
 }  // namespace stator::drivers::imu::mpu6000

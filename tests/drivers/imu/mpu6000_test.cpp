@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -83,6 +84,7 @@ class Imu : public ::testing::Test {
     ImuMpu6000::Device device;
     chip::Mpu6000::Motion motion{.rate = {0.1, 0.2, 0.3}, .force = {1, 2, -9.8}};
     double noise = 0.003;
+    std::optional<ImuCalibration> calibration;
     std::vector<SensorGyro> gyro;
     std::vector<SensorAccel> accel;
 
@@ -92,7 +94,8 @@ class Imu : public ::testing::Test {
     }
     uint64_t now_us() const { return chip_.now_ns() / 1000; }
     void activate() {
-        ImuPorts ports{.now = now_us()};
+        ImuPorts ports{.now = now_us(),
+                       .calibration = calibration ? Input(*calibration) : Input<ImuCalibration>()};
         stator::testing::Probe published_accel(ports.accel, ports.now);
         stator::testing::Probe published_gyro(ports.gyro, ports.now);
         driver_.step(ports);
@@ -145,6 +148,20 @@ TEST_F(Imu, a_sample_has_the_units_and_axes_of_the_body) {
     EXPECT_EQ(accel.back().timestamp_sample, gyro.back().timestamp_sample);
     // The line fell when it was measured; the burst took 23 us.
     EXPECT_NEAR(static_cast<double>(gyro.back().timestamp - gyro.back().timestamp_sample), 24, 3);
+}
+
+TEST_F(Imu, a_sample_is_calibrated) {
+    calibration = ImuCalibration{.gyro_offset = {0.1F, 0.0F, -0.1F},
+                                 .accel_offset = {0.0F, 0.5F, 0.0F},
+                                 .accel_scale = {1.0F, 2.0F, 1.0F},
+                                 .rotation = {0, 0, 1, 0, 1, 0, -1, 0, 0}};
+    run_ms(300);
+    ASSERT_FALSE(gyro.empty());
+    EXPECT_NEAR(gyro.back().xyz[0], 0.3 + 0.1, 0.002);
+    EXPECT_NEAR(gyro.back().xyz[2], -(0.2 - 0.1), 0.002);
+    EXPECT_NEAR(accel.back().xyz[0], -9.8, 0.005);
+    EXPECT_NEAR(accel.back().xyz[1], 2 * (-1 - 0.5), 0.01);
+    EXPECT_NEAR(accel.back().xyz[2], -2, 0.005);
 }
 
 TEST_F(Imu, without_lines_it_is_read_by_the_tick_and_then_reset) {
