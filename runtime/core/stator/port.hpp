@@ -15,8 +15,8 @@ namespace stator {
 
 inline constexpr uint32_t kNoAgeLimit = UINT32_MAX;
 
-// Whether the ports of this file call the code that they share: so they do in tasks that seldom run,
-// which are compiled for size (docs/decisions/0027). Elsewhere all of it is inlined.
+// Whether the ports of this file call the code that they share: so they do in tasks that seldom
+// run, which are compiled for size (docs/decisions/0027). Elsewhere all of it is inlined.
 #ifdef __OPTIMIZE_SIZE__
 constexpr bool kSharesPortCode = true;
 #else
@@ -279,7 +279,8 @@ class AnyOutput {
         building.slot = slot_at(*topic_, building.loaned.slot);
         return true;
     }
-    [[gnu::always_inline]] void end_here(const Building& building, std::byte* sample, uint32_t bytes) {
+    [[gnu::always_inline]] void end_here(const Building& building, std::byte* sample,
+                                         uint32_t bytes) {
         left_ = building.left;
         tap_.builds(sample);
         // Those whom it wakes do not wait for the record, if the sample lasts.
