@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 OUTDOOR = HOME / "graph" / "quad_outdoor.yaml"
 COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator"]
 HANGS_S = 120.0  # of wall time
+BUILDS_S = 10.0 * HANGS_S  # a vehicle that is not built yet
 NAN = math.nan
 
 
@@ -75,7 +76,7 @@ def wait_until_it_talks(port: int) -> None:
     """A vehicle that is not built yet takes its time, which no client waits for."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", port))
-        probe.settimeout(10.0 * HANGS_S)
+        probe.settimeout(BUILDS_S)
         probe.recv(1)
 
 
@@ -100,8 +101,13 @@ class Station:
     def close(self) -> None:
         self.link.close()
 
-    def wait(self, kind: str | list[str], wanted: Callable[[Any], bool] = lambda _: True) -> Any:
-        until = time.monotonic() + HANGS_S
+    def wait(
+        self,
+        kind: str | list[str],
+        wanted: Callable[[Any], bool] = lambda _: True,
+        limit_s: float = HANGS_S,
+    ) -> Any:
+        until = time.monotonic() + limit_s
         while time.monotonic() < until:
             message = self.link.recv_match(type=kind, blocking=True, timeout=0.2)
             if message is not None and wanted(message):
@@ -109,7 +115,7 @@ class Station:
         raise AssertionError(f"no {kind} that is wanted")
 
     def connect(self) -> Any:
-        beat = self.wait("HEARTBEAT")
+        beat = self.wait("HEARTBEAT", limit_s=BUILDS_S)
         self.link.target_system = beat.get_srcSystem()
         return beat
 
