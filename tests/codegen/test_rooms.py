@@ -21,6 +21,7 @@ ROOMS = (
         "pipeline",
         "image",
         "build",
+        "review",
         "mission",
         "live",
         "params",

@@ -7,12 +7,15 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from stator.arguments import add_graph_arguments
-from stator.diagnostics import UserError, in_place, nearest, shown_path
+from stator.diagnostics import Failed, UserError, in_place, nearest, shown_path
 from stator.language.period import spelled_us
 from stator.language.shapes import quoted
 from stator.pipeline import make_plan
 from stator.plan.rates import Rates
 from stator.plan.text import triggers_text
+from stator.prove.needs import require_provable
+from stator.prove.problems import shown_ns
+from stator.prove.proof import prove
 
 if TYPE_CHECKING:
     import argparse
@@ -119,11 +122,29 @@ def _runs(plan: Plan, task: Task) -> list[Row]:
         rows.append(("order", f"within its level: {', '.join(peers)}"))
     rows.append(("preempted by", _names(t for t in plan.tasks if t.level > task.level)))
     rows.append(("preempts", _names(t for t in plan.tasks if t.level < task.level)))
+    rows += _response(plan, node.name)
     owned = sum(_bytes(t) for t in plan.topics.values() if node.name in (t.owner, *t.publishers))
     rows.append(
         ("memory", f"{owned} bytes of slots; ./stator build shows the sizes of code and state")
     )
     return rows
+
+
+def _response(plan: Plan, name: str) -> list[Row]:
+    """The worst one, and who takes how much of it; only where it can be proven."""
+    if plan.board.costs is None:
+        return []
+    try:
+        require_provable(plan)
+    except (Failed, UserError):
+        return [("response", "unknown; ./stator prove says what is missing")]
+    task = prove(plan).task(name)
+    if task.response_ns is None or task.slack_ns is None:
+        return [("response", "no bound: the levels above have too much to do")]
+    text = f"at most {shown_ns(task.response_ns)}, deadline {shown_ns(task.deadline_ns)}"
+    text += "" if task.holds else ": LATE"
+    shares = [f"{share.name} {shown_ns(share.cost)}" for share in task.shares]
+    return [("response", text), ("worst window", ", ".join(shares))]
 
 
 def _ports(plan: Plan, node: Node) -> list[Row]:

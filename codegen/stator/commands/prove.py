@@ -6,11 +6,12 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from stator.arguments import add_graph_arguments
-from stator.build.cmake import build
-from stator.diagnostics import ANSWER_IS_NO, in_place
+from stator import HOME
+from stator.arguments import add_graph_arguments, path
+from stator.build.cmake import build, short_name
+from stator.diagnostics import ANSWER_IS_NO, UserError, in_place, shown_path
 from stator.image.handlers import stack_of_graph
 from stator.image.memory import memory_of
 from stator.image.report import memory_facts, memory_text, stack_facts, stack_text
@@ -20,6 +21,7 @@ from stator.prove.needs import require_provable
 from stator.prove.problems import problems
 from stator.prove.proof import prove
 from stator.prove.report import facts, text
+from stator.review.page import page
 
 if TYPE_CHECKING:
     import argparse
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
     from stator.image.stack import Stack
     from stator.plan.plan import Plan
 
+PAGE = "proof.html"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_graph_arguments(parser)
@@ -35,6 +39,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--max-rate",
         metavar="NODE",
         help="find the shortest period of this node's line or timer with which all still holds",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        type=path,
+        help="where proof.html and proof.json go (default: below build/proofs)",
     )
     parser.add_argument(
         "--no-image", action="store_true", help="times only: builds no image for stack and memory"
@@ -52,20 +63,43 @@ def main(arguments: argparse.Namespace) -> int:
     image = None if arguments.no_image else _image(plan, arguments)
     broken = [] if image is None else [*image[0].faults, *image[0].overflows()]
     holds = proof.holds and not broken
+    shown = {**facts(proof), "stack_bytes": None, "stack_limit_bytes": None, "proven": holds}
+    if image is not None:
+        shown |= stack_facts(image[0])
+        shown["memory"] |= memory_facts(plan, image[1])
+    shown["errors"] = [error.as_json() for error in errors]
+    shown["image_errors"] = broken
+    folder = _folder(plan, arguments, has_image=image is not None)
+    if folder is not None:
+        _write(folder, shown, page(proof, shown if image else None, is_broken=bool(broken)))
     if arguments.json:
-        shown = {**facts(proof), "stack_bytes": None, "stack_limit_bytes": None, "proven": holds}
-        if image is not None:
-            shown |= stack_facts(image[0])
-            shown["memory"] |= memory_facts(plan, image[1])
-        shown["errors"] = [error.as_json() for error in errors]
-        shown["image_errors"] = broken
         print(json.dumps(shown, indent=2))
         return 0 if holds else ANSWER_IS_NO
-    print(text(proof, _image_lines(plan, image, arguments), is_broken=bool(broken)), end="")
+    lines = _image_lines(plan, image, arguments)
+    if folder is not None:
+        lines += ["", f"{shown_path(folder / PAGE)}: written"]
+    print(text(proof, lines, is_broken=bool(broken)), end="")
     sys.stdout.flush()
     for error in [*(error.text() for error in errors), *broken]:
         print(in_place(f"\n{error}"), file=sys.stderr)
     return 0 if holds else ANSWER_IS_NO
+
+
+def _folder(plan: Plan, arguments: argparse.Namespace, *, has_image: bool) -> Path | None:
+    """Without an image, only where the user wants the files."""
+    if arguments.output is not None or not has_image:
+        folder: Path | None = arguments.output
+        return folder
+    return HOME / "build" / "proofs" / f"{short_name(plan.graph.file)}-{plan.board.name}"
+
+
+def _write(folder: Path, shown: dict[str, Any], html: str) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / PAGE).write_text(html, encoding="utf-8")
+        (folder / "proof.json").write_text(json.dumps(shown, indent=2) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise UserError(f"error: cannot write to '{folder}': {error.strerror}") from None
 
 
 def _image(plan: Plan, arguments: argparse.Namespace) -> tuple[Stack, Memory] | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from stator.diagnostics import Failed, Report
 from stator.language.period import spelled_us
 from stator.plan.plan import plan as make_plan
-from stator.prove.proof import prove
+from stator.prove.proof import prove, utilisation
 from stator.prove.system import US
 
 if TYPE_CHECKING:
@@ -103,12 +103,7 @@ def _taken(task: TaskBound) -> str:
 
 
 def _largest(proof: Proof) -> str:
-    loads: dict[str, float] = {}
-    for solution in proof.solutions:
-        for job in solution.jobs:
-            load = sum(stream.count * job.cost / stream.period for stream in job.streams)
-            loads[job.name] = max(loads.get(job.name, 0.0), load)
-    largest = sorted(loads.items(), key=lambda item: -item[1])[:SHARES_SHOWN]
+    largest = sorted(utilisation(proof).items(), key=lambda item: -item[1])[:SHARES_SHOWN]
     return "most of it: " + ", ".join(f"{name} {100 * load:.1f} %" for name, load in largest)
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from stator.graph.model import Node
     from stator.plan.plan import Plan
-    from stator.prove.response import Share
+    from stator.prove.response import Response, Share
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,7 @@ class TaskBound:
     deadline_ns: int
     is_stated: bool  # whether the graph gives the deadline; else it is the period
     shares: tuple[Share, ...]
+    window: Response | None  # of the worst activation
 
     @property
     def holds(self) -> bool:
@@ -91,6 +92,7 @@ def prove(plan: Plan, budgets: Mapping[str, int] | None = None) -> Proof:
                 deadline_ns(node, rates),
                 node.deadline_us is not None,
                 solution.shares.get(node.name, ()),
+                solution.responses.get(node.name),
             )
         )
     return Proof(
@@ -101,6 +103,16 @@ def prove(plan: Plan, budgets: Mapping[str, int] | None = None) -> Proof:
         tuple(solutions),
         max(map(_load, solutions)),
     )
+
+
+def utilisation(proof: Proof) -> dict[str, float]:
+    """Of the processor, by each job, in the worst mode."""
+    loads: dict[str, float] = {}
+    for solution in proof.solutions:
+        for job in solution.jobs:
+            load = sum(stream.count * job.cost / stream.period for stream in job.streams)
+            loads[job.name] = max(loads.get(job.name, 0.0), load)
+    return loads
 
 
 def deadline_ns(node: Node, rates: Rates) -> int:

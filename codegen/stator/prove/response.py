@@ -43,10 +43,13 @@ class Job:
 
 @dataclass(frozen=True)
 class Share:
-    """What another job takes of a response."""
+    """What a job takes of a response."""
 
     name: str
     cost: int
+    # How many activations of each of its streams, as the job at hand sees them.
+    job: Job | None = None
+    numbers: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -211,10 +214,11 @@ class Processor:
         number = self._closed(response.start, slice(0, own))
         number[:above] = np.maximum(number[:above], self._most(response.end, slice(0, above)))
         taken = number * self._cost[:own]
-        found = [Share(job.name, response.number * job.cost), self._blocker[i]]
+        found = [Share(job.name, response.number * job.cost, job), self._blocker[i]]
         for k, other in enumerate(self._jobs[:i]):
             part = slice(self._first[k], self._first[k + 1])
-            found.append(Share(other.name, int(taken[part].sum())))
+            numbers = tuple(number[part].tolist())
+            found.append(Share(other.name, int(taken[part].sum()), other, numbers))
         return tuple(share for share in found if share.cost)
 
 
