@@ -17,7 +17,9 @@
 #include "world/flight_facts.hpp"
 #include "world/options.hpp"
 #include "world/truth.hpp"
+#include "world/vehicle_text.hpp"
 #include "world/world.hpp"
+#include "world_vehicle.hpp"
 
 namespace {
 
@@ -34,11 +36,11 @@ constexpr milliseconds kHangs{60'000};
 class Simulator {
   public:
     Simulator(const world::Options& options, std::FILE* truth)
-        : world_(options.conditions),
+        : world_(options.conditions, options.vehicle),
           sensors_(world_),
           options_(options),
           truth_(truth),
-          truth_is_whole_(truth == nullptr || world::write_truth_head(truth)) {}
+          truth_is_whole_(truth == nullptr || world::write_truth_head(truth, world_)) {}
 
     // False after one line that says what is wrong.
     [[nodiscard]] bool wait_for_autopilot() {
@@ -78,7 +80,7 @@ class Simulator {
             problem_ = "the autopilot closed the connection in flight";
         if (!world_.watch().take_off_us())
             problem_ = "the autopilot closed the connection before the take-off";
-        std::array<float, world::kRotors> stopped;
+        world::Controls stopped;
         stopped.fill(math::canonical_nan<float>());
         world_.command_motors(world_.time_us(), stopped);
         while (*problem_ == '\0' && !world_.is_over()) move();
@@ -135,7 +137,7 @@ class Simulator {
     void obey(const mav::HilActuatorControls& controls) {
         is_lockstep_ = (controls.flags & hil::kLockstep) != 0;
         const bool is_armed = (controls.mode & mav::mav_mode_flag::kSafetyArmed) != 0;
-        std::array<float, world::kRotors> motors;
+        world::Controls motors;
         for (unsigned i = 0; i < motors.size(); ++i) {
             motors[i] = is_armed ? controls.controls[i] : math::canonical_nan<float>();
         }
@@ -235,7 +237,7 @@ mav::HilGps Simulator::fix_of(const Fix& fix) {
 }  // namespace
 
 int main(int count, char** arguments) {
-    world::Options options;
+    world::Options options{.vehicle = world::vehicle_of(board::kWorldVehicle)};
     if (!world::parse(count, arguments, options)) return 2;
     world::end_by_signals();
     std::FILE* truth = options.truth == nullptr ? nullptr : std::fopen(options.truth, "wb");

@@ -27,6 +27,8 @@
 #include "stator/start_options.hpp"
 #include "world/flight_facts.hpp"
 #include "world/options.hpp"
+#include "world/vehicle_text.hpp"
+#include "world_vehicle.hpp"
 
 namespace {
 
@@ -224,7 +226,7 @@ int refuse_world() {
 int main(int count, char** arguments) {
     host::begin(clock_us);
     std::signal(SIGPIPE, SIG_IGN);  // the reader of the facts may be gone; the log counts
-    world::Options options;
+    world::Options options{.vehicle = world::vehicle_of(board::kWorldVehicle)};
     board::RunOptions run;
     std::FILE* truth = nullptr;
     fly_on_without_log();
@@ -236,7 +238,7 @@ int main(int count, char** arguments) {
     if (run.nonvolatile != nullptr && !board::open_nonvolatile(run.nonvolatile)) return 2;
     if (options.mission != nullptr && !board::open_mission(options.mission)) return 2;
     if (!open_mavlink(options)) return 2;
-    board::RealWorld world(options.conditions, truth);
+    board::RealWorld world(options.conditions, options.vehicle, truth);
     connect(world);
     if (run.can_interface != nullptr && !connect_can(world, run)) return 2;
     if (run.link != nullptr && !offer_link(run.link)) return 2;

@@ -15,8 +15,9 @@ CanLink can_link;
 
 }  // namespace
 
-RealWorld::RealWorld(const world::Conditions& conditions, std::FILE* truth)
-    : world_(conditions),
+RealWorld::RealWorld(const world::Conditions& conditions, const world::Vehicle& vehicle,
+                     std::FILE* truth)
+    : world_(conditions, vehicle),
       sensors_(world_),
       can_parts_(world_, [](const dronecan::Frame& frame, std::uint64_t) { can_link.send(frame); }),
       truth_(truth) {}
@@ -41,7 +42,7 @@ void RealWorld::serve_can() {
 }
 
 bool RealWorld::begin() {
-    truth_is_whole_ = truth_ == nullptr || world::write_truth_head(truth_);
+    truth_is_whole_ = truth_ == nullptr || world::write_truth_head(truth_, world_);
     const auto run = [](void* object) { static_cast<RealWorld*>(object)->run(); };
     return make_device_thread(thread_, "world", run, this);
 }
@@ -70,7 +71,7 @@ void RealWorld::run() {
 }
 
 void RealWorld::command_motors(const drivers::motor::sim::MotorSim::Control& control) {
-    const Command command{clock_us(), {control[0], control[1], control[2], control[3]}};
+    const Command command{clock_us(), control};
     const Lock lock(&mutex_);
     // A world that is held up that long sees the newest command all the same.
     if (command_count_ == kMaxCommands) --command_count_;

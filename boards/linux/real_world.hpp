@@ -21,7 +21,7 @@ namespace stator::board {
 class RealWorld {
   public:
     // `truth` takes the true flight; may be null.
-    RealWorld(const world::Conditions& conditions, std::FILE* truth);
+    RealWorld(const world::Conditions& conditions, const world::Vehicle& vehicle, std::FILE* truth);
 
     // Before it begins: puts motor controllers and a satellite receiver on a CAN bus. False if that
     // is not possible.
@@ -42,7 +42,7 @@ class RealWorld {
   private:
     struct Command {
         std::uint64_t time_us;
-        std::array<float, world::kRotors> control;
+        world::Controls control;
     };
 
     static constexpr unsigned kMaxCommands = 16;  // of one millisecond

@@ -42,9 +42,8 @@ uint64_t missed_samples = 0;
 
 // The register write of the motor driver.
 void write_motors(const MotorSim::Control& control) {
-    const link::ToPlant message{.kind = link::ToPlant::Kind::kCommand,
-                                .time_us = clock_us(),
-                                .control = {control[0], control[1], control[2], control[3]}};
+    const link::ToPlant message{
+        .kind = link::ToPlant::Kind::kCommand, .time_us = clock_us(), .control = control};
     require(to_plant.write(&message, sizeof message), "the plant does not listen");
 }
 
@@ -224,9 +223,8 @@ bool watchdog_was_kicked() {
 // The plant stops its motors at a value that is not a number.
 void make_safe() {
     constexpr float kStopped = std::numeric_limits<float>::quiet_NaN();
-    const link::ToPlant message{.kind = link::ToPlant::Kind::kCommand,
-                                .time_us = clock_us(),
-                                .control = {kStopped, kStopped, kStopped, kStopped}};
+    link::ToPlant message{.kind = link::ToPlant::Kind::kCommand, .time_us = clock_us()};
+    message.control.fill(kStopped);
     // Where there is no plant there are no motors.
     if (to_plant.is_open()) static_cast<void>(to_plant.write(&message, sizeof message));
 }

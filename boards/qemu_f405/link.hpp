@@ -38,7 +38,7 @@ struct ToPlant {
     };
     Kind kind = Kind::kStep;
     uint64_t time_us = 0;
-    std::array<float, 4> control{};  // as ActuatorMotors has it
+    std::array<float, 12> control{};  // as ActuatorMotors has it
     uint64_t activations = 0;
     uint64_t lost_samples = 0;
     uint64_t missed_samples = 0;  // that a device still busy with the one before did not take
@@ -47,7 +47,7 @@ struct ToPlant {
     uint64_t missed_life_signs = 0;
     uint64_t restarts = 0;  // 1: a restart request ended the flight
 };
-static_assert(sizeof(ToPlant) == 88);
+static_assert(sizeof(ToPlant) == 120);
 
 // What the sensors saw since the step before.
 struct FromPlant {

@@ -34,11 +34,10 @@ std::array<std::uint8_t, NonvolatileSim::kBytes> nonvolatile_memory{};
 
 // The register write of the motor driver. Time may have passed since the newest event.
 void write_motors(const MotorSim::Control& control) {
-    const std::array four{control[0], control[1], control[2], control[3]};
     if (outside != nullptr) {
-        outside->command_motors(four);
+        outside->command_motors(control);
     } else {
-        the_world->command_motors(executor.now_us, four);
+        the_world->command_motors(executor.now_us, control);
     }
 }
 
@@ -133,15 +132,16 @@ void connect_devices(std::FILE* mission) {
 
 }  // namespace
 
-void prepare(const world::Conditions& conditions, std::FILE* mission, std::FILE* truth) {
+void prepare(const world::Conditions& conditions, const world::Vehicle& vehicle, std::FILE* mission,
+             std::FILE* truth) {
     connect_devices(mission);
-    the_world.emplace(conditions);
+    the_world.emplace(conditions, vehicle);
     sensors.emplace(*the_world);
     can_parts.emplace(*the_world, [](const dronecan::Frame& frame, std::uint64_t now_us) {
         can_bus.send(frame, world::CanBus::Sender::kParts, now_us);
     });
     truth_file = truth;
-    truth_was_written = truth == nullptr || world::write_truth_head(truth);
+    truth_was_written = truth == nullptr || world::write_truth_head(truth, *the_world);
     can1.send = send_on_can;
 }
 

@@ -10,7 +10,8 @@ namespace stator::board {
 
 // Before the graph starts: makes the world. `mission`, the memory of the mission device, and
 // `truth`, which takes the true flight, may be null.
-void prepare(const world::Conditions& conditions, std::FILE* mission, std::FILE* truth);
+void prepare(const world::Conditions& conditions, const world::Vehicle& vehicle, std::FILE* mission,
+             std::FILE* truth);
 
 // The same, with the world of another simulator.
 void prepare(Outside& other, std::FILE* mission);

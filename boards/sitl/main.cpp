@@ -25,6 +25,8 @@
 #include "world/ending.hpp"
 #include "world/flight_facts.hpp"
 #include "world/options.hpp"
+#include "world/vehicle_text.hpp"
+#include "world_vehicle.hpp"
 
 namespace {
 
@@ -189,7 +191,7 @@ void print(const Run& run, const board::Outside* outside) {
 }  // namespace
 
 int main(int count, char** arguments) {
-    world::Options options;
+    world::Options options{.vehicle = world::vehicle_of(board::kWorldVehicle)};
     std::FILE* truth = nullptr;
     host::begin([] { return executor.now_us; });
     host::watch_steps(kEndlessStep_s);
@@ -211,7 +213,7 @@ int main(int count, char** arguments) {
     if (!silence_nodes(options.conditions.faults)) return 2;
     std::optional<board::Outside> outside;
     if (options.hil == nullptr) {
-        board::prepare(options.conditions, mission, truth);
+        board::prepare(options.conditions, options.vehicle, mission, truth);
     } else {
         outside.emplace(options.conditions);
         if (!connect(*outside, options.hil)) return 2;

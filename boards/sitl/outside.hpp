@@ -18,7 +18,7 @@ namespace stator::board {
 // first HIL_SENSOR.
 class Outside {
   public:
-    using Control = std::array<float, world::kRotors>;
+    using Control = world::Controls;
 
     explicit Outside(const world::Conditions& conditions);
 

@@ -16,12 +16,17 @@ using dronecan::equipment::gnss::Auxiliary;
 using dronecan::equipment::gnss::Fix2;
 using dronecan::protocol::NodeStatus;
 
-// Node ids: the controllers, then the receiver.
-constexpr std::array<std::uint8_t, kRotors + 1> kNodeIds{20, 21, 22, 23, 40};
-constexpr unsigned kReceiver = kRotors;
+// Parts: the controllers, then the receiver.
+constexpr unsigned kReceiver = kMaxRotors;
+constexpr std::uint8_t kFirstController = 20;
+constexpr std::uint8_t kReceiverId = 40;
 constexpr std::uint64_t kCommandTimeout_us = 500'000;
 constexpr float kFull = 8191.0F;
 constexpr std::array kWanted{dronecan::want<RawCommand>(10'000)};
+
+std::uint8_t node_id(unsigned part) {
+    return part == kReceiver ? kReceiverId : static_cast<std::uint8_t>(kFirstController + part);
+}
 
 std::int64_t hundred_millionths(double degrees) {
     return math::saturate<std::int64_t>(math::round(degrees * 1e8));
@@ -32,7 +37,11 @@ std::int32_t millimetres(double metres) {
 
 }  // namespace
 
-CanParts::CanParts(const World& world, Send sink) : send_(sink), gnss_(world), receiver_(kWanted) {
+CanParts::CanParts(const World& world, Send sink)
+    : send_(sink),
+      rotors_(world.vehicle().airframe.rotor_count()),
+      gnss_(world),
+      receiver_(kWanted) {
     dronecan::NodeSet all;
     all.add_range(1, dronecan::kMaxNodeId);
     receiver_.allow(all);
@@ -45,7 +54,7 @@ std::optional<CanParts::Control> CanParts::receive(const dronecan::Frame& frame,
     if (!receiver_.accept(frame, now_us) || !dronecan::decode(receiver_.payload(), command)) {
         return std::nullopt;
     }
-    for (unsigned i = 0; i < kRotors; ++i) {
+    for (unsigned i = 0; i < kMaxRotors; ++i) {
         const bool turns = i < command.cmd.count && command.cmd.items[i] > 0;
         control_[i] =
             turns ? static_cast<float>(command.cmd.items[i]) / kFull : math::canonical_nan<float>();
@@ -66,7 +75,7 @@ template <class Message>
 void CanParts::send(const Message& message, unsigned part, std::uint8_t& transfer_id,
                     std::uint64_t now_us) {
     dronecan::Sender<Message::kType.most_bytes> sender;
-    sender.begin({.priority = 16, .source = kNodeIds[part]}, transfer_id, message);
+    sender.begin({.priority = 16, .source = node_id(part)}, transfer_id, message);
     transfer_id = static_cast<std::uint8_t>((transfer_id + 1) % dronecan::kTransferIds);
     for (dronecan::Frame frame; sender.next(frame);) {
         send_(frame, now_us);
@@ -79,7 +88,7 @@ void CanParts::report(const World& world, unsigned motor) {
     const float control = math::is_nan(control_[motor]) ? 0.0F : control_[motor];
     const Status status{
         .voltage = static_cast<float>(world.battery().voltage()),
-        .current = static_cast<float>(world.battery().current() / kRotors),
+        .current = static_cast<float>(world.battery().current() / rotors_),
         .temperature = 313.15F,  // 40 degC, always
         .rpm = math::saturate<std::int32_t>(math::round(speed * kRpm)),
         .power_rating_pct = math::saturate<std::uint8_t>(math::round(100.0F * control)),
@@ -115,13 +124,12 @@ void CanParts::run(const World& world) {
     const std::uint64_t now_us = world.plant().time_us();
     if (fix) send_fix(*fix, now_us);
     if (report_timer_.take(now_us)) {
-        for (unsigned i = 0; i < kRotors; ++i) report(world, i);
+        for (unsigned i = 0; i < rotors_; ++i) report(world, i);
     }
     if (!status_timer_.take(now_us)) return;
     const NodeStatus status{.uptime_sec = static_cast<std::uint32_t>(now_us / 1'000'000)};
-    for (unsigned part = 0; part < kNodes; ++part) {
-        send(status, part, status_ids_[part], now_us);
-    }
+    for (unsigned part = 0; part < rotors_; ++part) send(status, part, status_ids_[part], now_us);
+    send(status, kReceiver, status_ids_[kReceiver], now_us);
 }
 
 }  // namespace stator::world

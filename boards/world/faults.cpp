@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "stator/scalar.hpp"
+#include "world/plant.hpp"
 
 namespace stator::world {
 
@@ -23,11 +24,9 @@ constexpr std::array kRows{Row{"gnss_loss", FaultKind::kGnssLoss, 0.0, 0.0},
                            Row{"baro_loss", FaultKind::kBaroLoss, 0.0, 0.0},
                            Row{"mission_loss", FaultKind::kMissionLoss, 0.0, 0.0},
                            Row{"rc_loss", FaultKind::kRcLoss, 0.0, 0.0},
-                           Row{"battery_low", FaultKind::kBatteryLow, 0.1, 1.0},
-                           Row{"motor_1", FaultKind::kMotor1, 0.7, 1.0},
-                           Row{"motor_2", FaultKind::kMotor2, 0.7, 1.0},
-                           Row{"motor_3", FaultKind::kMotor3, 0.7, 1.0},
-                           Row{"motor_4", FaultKind::kMotor4, 0.7, 1.0}};
+                           Row{"battery_low", FaultKind::kBatteryLow, 0.1, 1.0}};
+// Of `motor_1` and so on, without a fault's name.
+constexpr Row kMotorRow{"motor_", FaultKind::kPartial, 0.7, 1.0};
 
 constexpr double kMostOfPart = 1e6;
 // Names that end in others come first.
@@ -103,10 +102,20 @@ std::optional<Fault> of_part(std::string_view part, std::string_view name, std::
     return {};
 }
 
+std::optional<Fault> of_motor(std::string_view name, std::string_view value, bool has_value) {
+    const auto number = value_of(kMotorRow, value, has_value);
+    Fault fault{.kind = kMotorRow.kind};
+    const auto motor = read(name.substr(kMotorRow.name.size()), 1.0, kMaxRotors);
+    if (!number || !motor || !copy(name, fault.part)) return {};
+    fault.value = *number;
+    return fault;
+}
+
 std::optional<Fault> of_name(std::string_view name, std::string_view value, bool has_value) {
     const std::size_t dot = name.find('.');
     if (dot != name.npos)
         return of_part(name.substr(0, dot), name.substr(dot + 1), value, has_value);
+    if (name.starts_with(kMotorRow.name)) return of_motor(name, value, has_value);
     for (const Row& row : kRows) {
         if (row.name != name) continue;
         const auto number = value_of(row, value, has_value);
@@ -124,7 +133,7 @@ std::uint64_t microseconds(double seconds) {
 
 const char* const kFaultNames =
     "gnss_loss, gnss_glitch[=METRES], baro_loss, mission_loss, rc_loss, battery_low[=0..1], "
-    "motor_1 to motor_4[=0..1], or PART.FAULT[=VALUE] of a part of the graph";
+    "motor_1 to motor_12[=0..1], or PART.FAULT[=VALUE] of a part of the graph";
 
 bool Faults::add(const Fault& fault) {
     if (count_ == kMax) return false;

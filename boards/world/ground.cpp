@@ -5,7 +5,7 @@ namespace stator::world {
 
 namespace {
 
-double farthest(const std::array<Vector3, kContactPoints>& points) {
+double farthest(const std::vector<Vector3>& points) {
     double squared = 0.0;
     for (const Vector3& point : points) squared = math::max(squared, point.squaredNorm());
     return math::sqrt(squared);
@@ -53,7 +53,7 @@ Vector3 Ground::stretch(unsigned point, const Contact& contact) const {
 Wrench Ground::wrench(const Motion& motion) const {
     Wrench sum;
     if (!is_near(motion)) return sum;
-    for (unsigned point = 0; point < kContactPoints; ++point) {
+    for (unsigned point = 0; point < parameters_.points_B.size(); ++point) {
         const Contact at = contact(point, motion);
         if (at.normal <= 0.0) continue;
         const Vector3 slip_N(at.velocity_N.x(), at.velocity_N.y(), 0.0);
@@ -73,7 +73,7 @@ void Ground::settle(const Motion& motion) {
         touched_ = 0;
         return;
     }
-    for (unsigned point = 0; point < kContactPoints; ++point) {
+    for (unsigned point = 0; point < parameters_.points_B.size(); ++point) {
         const Contact at = contact(point, motion);
         const Vector3 kept =
             limited(stretch(point, at), parameters_.friction * at.normal / parameters_.stiffness);

@@ -32,7 +32,7 @@ Magnetometer::Magnetometer(const MagnetometerParameters& parameters, const Earth
       hard_iron_B_(parameters.hard_iron * gaussian3(random_)),
       per_amp_B_(parameters.gauss_per_amp * direction(random_)) {}
 
-Vector3f Magnetometer::measure(const QuadState& state, double current) {
+Vector3f Magnetometer::measure(const VehicleState& state, double current) {
     const Vector3 noise = parameters_.noise * gaussian3(random_);
     const Vector3 field_B = state.q_NB.toRotationMatrix().transpose() * field_N_;
     Vector3 measured = field_B + hard_iron_B_ + current * per_amp_B_ + noise;

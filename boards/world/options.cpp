@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "stator/scalar.hpp"
+#include "world/vehicle_text.hpp"
 
 namespace stator::world {
 
@@ -68,24 +69,39 @@ bool add_mavlink(const char* place, Options& options) {
     return true;
 }
 
-bool read_pilot(const char* path, Pilot& pilot) {
+// Empty, or what is wrong.
+std::string read_file(const char* path, std::string& text) {
     std::FILE* const file = std::fopen(path, "rb");
-    if (file == nullptr) {
-        std::fprintf(stderr, "error: --pilot '%s': %s\n", path, std::strerror(errno));
-        return false;
-    }
-    std::string script;
+    if (file == nullptr) return std::strerror(errno);
     std::array<char, 4096> part;
     std::size_t size = 0;
     while ((size = std::fread(part.data(), 1, part.size(), file)) != 0) {
-        script.append(part.data(), size);
+        text.append(part.data(), size);
     }
     const bool is_read = std::ferror(file) == 0;
     std::fclose(file);
-    const std::string wrong = is_read ? pilot.follow(script) : "cannot read the file";
+    return is_read ? "" : "cannot read the file";
+}
+
+// `follow`: takes the text; empty, or what is wrong with it.
+template <class Follow>
+bool read_text(const char* option, const char* path, Follow follow) {
+    std::string text;
+    std::string wrong = read_file(path, text);
+    if (wrong.empty()) wrong = follow(text);
     if (wrong.empty()) return true;
-    std::fprintf(stderr, "error: --pilot '%s': %s\n", path, wrong.c_str());
+    std::fprintf(stderr, "error: %s '%s': %s\n", option, path, wrong.c_str());
     return false;
+}
+
+bool read_pilot(const char* path, Pilot& pilot) {
+    return read_text("--pilot", path, [&](const std::string& text) { return pilot.follow(text); });
+}
+
+bool read_vehicle_file(const char* path, Vehicle& vehicle) {
+    vehicle = {};
+    return read_text("--vehicle", path,
+                     [&](const std::string& text) { return read_vehicle(text, vehicle); });
 }
 
 bool add_fault(const char* text, Faults& faults) {
@@ -157,6 +173,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--hil") return read_path("--hil", value, options.hil);
     if (option == "--speed") return read_speed(value, options.speed);
     if (option == "--pilot") return read_pilot(value, options.conditions.pilot);
+    if (option == "--vehicle") return read_vehicle_file(value, options.vehicle);
     if (option == "--seed") {
         return read_number(value, options.conditions.seed) ||
                refuse("--seed", value, "a whole number from 0 to 18446744073709551615");
@@ -170,15 +187,15 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--origin") return read_origin(value, options.conditions.earth);
     if (option == "--gusts") return read_gusts(value, options.conditions.wind.gusts);
     if (option == "--fail") return add_fault(value, options.conditions.faults);
-    std::fprintf(
-        stderr,
-        "error: unknown option '%s'\nhint: known: --log FILE, --truth FILE, --seed N, "
-        "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
-        "--wind M_S, "
-        "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
-        "--pilot FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR, "
-        "--mavlink PLACE, --hil PLACE\n",
-        option.data());
+    std::fprintf(stderr,
+                 "error: unknown option '%s'\nhint: known: --log FILE, --truth FILE, --seed N, "
+                 "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
+                 "--wind M_S, "
+                 "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
+                 "--pilot FILE, --vehicle FILE, --mission FILE, --origin "
+                 "LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR, "
+                 "--mavlink PLACE, --hil PLACE\n",
+                 option.data());
     return false;
 }
 

@@ -22,15 +22,18 @@ Vector3f quantised(const Vector3f& value, float steps) {
 }
 
 // Of one rotor against all in hover: (speed / hover speed)^2.
-double load(const QuadParameters& parameters, double speed) {
-    const double hover_thrust = parameters.mass * parameters.gravity / kRotors;
+double load(const Airframe& parameters, double speed) {
+    const double hover_thrust = parameters.mass * parameters.gravity / parameters.rotor_count();
     return parameters.thrust_per_speed2 * speed * speed / hover_thrust;
 }
 
 float mean_load(const Plant& plant) {
+    const unsigned count = plant.parameters().rotor_count();
     double sum = 0.0;
-    for (const double speed : plant.state().rotor_speeds) sum += load(plant.parameters(), speed);
-    return static_cast<float>(sum / kRotors);
+    for (unsigned i = 0; i < count; ++i) {
+        sum += load(plant.parameters(), plant.state().rotor_speeds[i]);
+    }
+    return static_cast<float>(sum / count);
 }
 
 double drift_period(const ImuParameters& parameters) {
@@ -39,7 +42,7 @@ double drift_period(const ImuParameters& parameters) {
 
 }  // namespace
 
-Imu::Imu(const ImuParameters& parameters, std::uint64_t seed)
+Imu::Imu(const ImuParameters& parameters, unsigned rotors, std::uint64_t seed)
     : parameters_(parameters),
       random_(seed, static_cast<std::uint64_t>(Stream::kImu)),
       drift_random_(seed, static_cast<std::uint64_t>(Stream::kImuDrift)),
@@ -51,8 +54,8 @@ Imu::Imu(const ImuParameters& parameters, std::uint64_t seed)
                    drift_period(parameters), drift_random_),
       accel_wander_(Vector3::Constant(parameters.accel_instability), parameters.instability_tau,
                     drift_period(parameters), drift_random_) {
-    for (double& angle : rotor_angles_) {
-        angle = math::kTwoPi<double> * random_.uniform_double() - math::kPi<double>;
+    for (unsigned i = 0; i < rotors; ++i) {
+        rotor_angles_[i] = math::kTwoPi<double> * random_.uniform_double() - math::kPi<double>;
     }
 }
 
@@ -70,7 +73,7 @@ void Imu::drift() {
 Vector3f Imu::rotor_lines(const Plant& plant) {
     const double period = static_cast<double>(parameters_.period_us) * 1e-6;
     Vector3f sum = Vector3f::Zero();
-    for (unsigned i = 0; i < kRotors; ++i) {
+    for (unsigned i = 0; i < plant.parameters().rotor_count(); ++i) {
         const double speed = plant.state().rotor_speeds[i];
         if (speed <= 0.0) continue;
         rotor_angles_[i] = math::wrap_pi(rotor_angles_[i] + speed * period);
@@ -103,7 +106,7 @@ Mocap::Mocap(const MocapParameters& parameters, std::uint64_t seed)
     : parameters_(parameters), random_(seed, static_cast<std::uint64_t>(Stream::kMocap)) {}
 
 MocapSample Mocap::measure(const Plant& plant) {
-    const QuadState& state = plant.state();
+    const VehicleState& state = plant.state();
     const Vector3f position_noise = gaussian3(random_, parameters_.position_noise);
     const float yaw_noise = parameters_.yaw_noise * random_.gaussian_float();
     return {.time_us = plant.time_us(),

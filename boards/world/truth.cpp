@@ -2,15 +2,28 @@
 #include "world/truth.hpp"
 
 #include <bit>
+#include <span>
 #include <string>
 
 namespace stator::world {
 
 static_assert(std::endian::native == std::endian::little);
 
-bool write_truth_head(std::FILE* file) {
+namespace {
+
+bool write(std::FILE* file, std::span<const double> values) {
+    return std::fwrite(values.data(), sizeof(double), values.size(), file) == values.size();
+}
+
+}  // namespace
+
+bool write_truth_head(std::FILE* file, const World& world) {
     std::string line;
     for (const char* const column : kTruthColumns) line.append(column).append(" ");
+    for (unsigned i = 0; i < world.vehicle().airframe.rotor_count(); ++i) {
+        line.append("rotor_").append(std::to_string(i + 1)).append(" ");
+    }
+    for (const char* const column : kBatteryColumns) line.append(column).append(" ");
     line.append((2 * sizeof(double) - 1 - line.size() % sizeof(double)) % sizeof(double), ' ');
     line.append("\n");
     return std::fwrite(line.data(), 1, line.size(), file) == line.size();
@@ -18,7 +31,7 @@ bool write_truth_head(std::FILE* file) {
 
 bool write_truth(std::FILE* file, const World& world) {
     const Plant& plant = world.plant();
-    const QuadState& state = plant.state();
+    const VehicleState& state = plant.state();
     const Vector3& wind_N = world.influence().wind_N;
     const Battery& battery = world.battery();
     const std::array<double, kTruthColumns.size()> row{static_cast<double>(plant.time_us()),
@@ -38,15 +51,12 @@ bool write_truth(std::FILE* file, const World& world) {
                                                        plant.is_on_ground() ? 1.0 : 0.0,
                                                        wind_N.x(),
                                                        wind_N.y(),
-                                                       wind_N.z(),
-                                                       state.rotor_speeds[0],
-                                                       state.rotor_speeds[1],
-                                                       state.rotor_speeds[2],
-                                                       state.rotor_speeds[3],
-                                                       battery.voltage(),
-                                                       battery.current(),
-                                                       battery.remaining()};
-    return std::fwrite(row.data(), sizeof(double), row.size(), file) == row.size();
+                                                       wind_N.z()};
+    const std::array<double, kBatteryColumns.size()> last{battery.voltage(), battery.current(),
+                                                          battery.remaining()};
+    const unsigned rotors = plant.parameters().rotor_count();
+    return write(file, row) && write(file, {state.rotor_speeds.data(), rotors}) &&
+           write(file, last);
 }
 
 }  // namespace stator::world

@@ -11,25 +11,24 @@ double factor(double part, math::Random& random) {
 }
 
 // Arms are counted from the centre of gravity.
-void move_centre(QuadParameters& quad, double x, double y) {
-    for (Rotor& rotor : quad.rotors) {
-        rotor.x -= x;
-        rotor.y -= y;
-    }
-    for (Vector3& point_B : quad.ground.points_B) point_B -= Vector3(x, y, 0.0);
+void move_centre(Airframe& airframe, double x, double y) {
+    for (Rotor& rotor : airframe.rotors) rotor.place_B -= Vector3(x, y, 0.0);
+    for (Vector3& point_B : airframe.ground.points_B) point_B -= Vector3(x, y, 0.0);
 }
 
 }  // namespace
 
-Vehicle vary(const Variation& variation, std::uint64_t seed) {
+Vehicle vary(Vehicle vehicle, const Variation& variation, std::uint64_t seed) {
     math::Random random(seed, static_cast<std::uint64_t>(Stream::kVariation));
-    Vehicle vehicle;
-    vehicle.quad.mass *= factor(variation.mass, random);
-    for (double& inertia : vehicle.quad.inertia_B) inertia *= factor(variation.inertia, random);
-    vehicle.quad.thrust_per_speed2 *= factor(variation.thrust, random);
+    vehicle.airframe.mass *= factor(variation.mass, random);
+    Inertia& inertia = vehicle.airframe.inertia;
+    for (double* moment : {&inertia.xx, &inertia.yy, &inertia.zz}) {
+        *moment *= factor(variation.inertia, random);
+    }
+    vehicle.airframe.thrust_per_speed2 *= factor(variation.thrust, random);
     const double x = variation.centre * (factor(1.0, random) - 1.0);
     const double y = variation.centre * (factor(1.0, random) - 1.0);
-    move_centre(vehicle.quad, x, y);
+    move_centre(vehicle.airframe, x, y);
     const double delay_us = 1e6 * variation.most_delay * random.uniform_double();
     vehicle.command_delay_us = math::saturate<std::uint64_t>(math::round(delay_us));
     vehicle.imu.gyro_bias *= static_cast<float>(variation.bias);

@@ -9,9 +9,9 @@ namespace stator::world {
 namespace {
 
 // Somewhere near the middle of the laboratory, the nose in any direction.
-QuadState draw_start(std::uint64_t seed) {
+VehicleState draw_start(std::uint64_t seed) {
     math::Random random(seed, static_cast<std::uint64_t>(Stream::kStart));
-    QuadState start;
+    VehicleState start;
     start.position_N.x() = 0.4 * random.uniform_double() - 0.2;
     start.position_N.y() = 0.4 * random.uniform_double() - 0.2;
     const double yaw = math::kTwoPi<double> * random.uniform_double() - math::kPi<double>;
@@ -19,16 +19,17 @@ QuadState draw_start(std::uint64_t seed) {
     return start;
 }
 
-constexpr std::array<std::string_view, kRotors> kMotors{"motor_1", "motor_2", "motor_3", "motor_4"};
-constexpr std::array kMotorFaults{FaultKind::kMotor1, FaultKind::kMotor2, FaultKind::kMotor3,
-                                  FaultKind::kMotor4};
+constexpr std::array<std::string_view, kMaxRotors> kMotors{
+    "motor_1", "motor_2", "motor_3", "motor_4",  "motor_5",  "motor_6",
+    "motor_7", "motor_8", "motor_9", "motor_10", "motor_11", "motor_12"};
 
 }  // namespace
 
-World::World(const Conditions& conditions)
+World::World(const Conditions& conditions, const Vehicle& published)
     : conditions_(conditions),
-      vehicle_(conditions.vary ? vary(Variation{}, conditions.seed) : Vehicle{}),
-      plant_(vehicle_.quad, draw_start(conditions.seed)),
+      vehicle_(conditions.vary ? vary(published, Variation{}, conditions.seed) : published),
+      plant_(vehicle_.airframe, draw_start(conditions.seed)),
+      battery_(vehicle_.battery),
       wind_(conditions.wind, conditions.seed),
       watch_(plant_) {}
 
@@ -62,11 +63,10 @@ void World::choose_influence(std::uint64_t now_us) {
     influence_.wind_N += more;
     influence_.supply = supply(now_us);
     influence_.current = battery_.current();
-    for (unsigned i = 0; i < kRotors; ++i) {
+    for (unsigned i = 0; i < vehicle_.airframe.rotor_count(); ++i) {
         const auto partial = faults.now(kMotors[i], FaultKind::kPartial, now_us);
         const bool is_lost = faults.now(kMotors[i], FaultKind::kLoss, now_us).has_value();
-        influence_.efficiency[i] =
-            is_lost ? 0.0 : faults.now(kMotorFaults[i], now_us).value_or(partial.value_or(1.0));
+        influence_.efficiency[i] = is_lost ? 0.0 : partial.value_or(1.0);
     }
 }
 
@@ -89,8 +89,8 @@ bool World::has_fault(FaultKind kind) const {
     return conditions_.faults.now(kind, time_us()).has_value();
 }
 
-void World::command_motors(std::uint64_t now_us, const std::array<float, kRotors>& control) {
-    for (unsigned i = 0; i < kRotors; ++i) {
+void World::command_motors(std::uint64_t now_us, const Controls& control) {
+    for (unsigned i = 0; i < kMaxRotors; ++i) {
         const bool is_stuck =
             conditions_.faults.now(kMotors[i], FaultKind::kMotorStuck, now_us).has_value();
         if (!is_stuck) obeyed_[i] = control[i];

@@ -40,6 +40,10 @@ CONVERSIONS: dict[str, dict[str, Fraction]] = {
     "V": {"mV": Fraction(1, 1000)},
     "A": {"mA": Fraction(1, 1000)},
     "Pa": {"hPa": Fraction(100), "kPa": Fraction(1000)},
+    "C": {"Ah": Fraction(3600), "mAh": Fraction(36, 10)},
+    "ohm": {"mohm": Fraction(1, 1000)},
+    "kg m^2": {"g m^2": Fraction(1, 1000)},
+    "m^2": {"cm^2": Fraction(1, 10_000)},
     "1": {"%": Fraction(1, 100)},
 }
 

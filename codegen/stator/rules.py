@@ -55,6 +55,13 @@ RULES = {
     "field-type": "unknown field type, or a type that does not fit the field",
     "name-clash": "two things would have the same name in generated code",
     "message-too-large": "a message is larger than a slot",
+    # the vehicle
+    "vehicle-unknown": "unknown vehicle",
+    "vehicle-value": "a parameter takes a value that vehicles do not have",
+    "inertia-impossible": "no rigid body has this inertia",
+    "rotor-place": "two rotors are at the same place",
+    "rotors-cannot-steer": "the rotors cannot turn the vehicle about each axis",
+    "thrust-too-small": "the rotors cannot carry the weight",
     # ports
     "port-unknown": "the app does not have this input or output",
     "input-missing": "a required input is not connected",

@@ -8,6 +8,8 @@
 #include "stator/port.hpp"
 #include "stator/virtual.hpp"
 #include "topics.hpp"
+#include "world/vehicle_text.hpp"
+#include "world_vehicle.hpp"
 
 namespace stator::testing {
 
@@ -16,7 +18,7 @@ class FlightOfGraph {
   public:
     // By default seed 1: take-off, hover, landing in calm air.
     explicit FlightOfGraph(const world::Conditions& conditions = {}) {
-        board::prepare(conditions, nullptr, nullptr);
+        board::prepare(conditions, world::vehicle_of(board::kWorldVehicle), nullptr, nullptr);
         start();
     }
 

@@ -20,7 +20,9 @@
 #include "world/flight_facts.hpp"
 #include "world/options.hpp"
 #include "world/truth.hpp"
+#include "world/vehicle_text.hpp"
 #include "world/world.hpp"
+#include "world_vehicle.hpp"
 
 namespace {
 
@@ -58,13 +60,13 @@ using Lines = std::array<plant::Line, link::kLines.size()>;
 class Server {
   public:
     Server(const world::Options& options, const Files& files, Lines& lines)
-        : world_(options.conditions),
+        : world_(options.conditions, options.vehicle),
           sensors_(world_),
           files_(files),
           lines_(lines),
           duration_us_(options.duration_us),
           speed_(options.speed),
-          truth_is_whole_(files.truth == nullptr || world::write_truth_head(files.truth)) {}
+          truth_is_whole_(files.truth == nullptr || world::write_truth_head(files.truth, world_)) {}
 
     // Serves until the firmware has finished. False if it went away before.
     bool run() {
@@ -152,7 +154,7 @@ void print(const Server& server, double wall_s) {
 }  // namespace
 
 int main(int count, char** arguments) {
-    world::Options options;
+    world::Options options{.vehicle = world::vehicle_of(board::kWorldVehicle)};
     if (!world::parse(count, arguments, options)) return 2;
     world::end_by_signals();
     Files files;

@@ -8,11 +8,10 @@
 
 namespace stator::world {
 
-// The Iris' three cells of 5.1 Ah.
 struct BatteryParameters {
-    double cells = 3.0;
-    double capacity_c = 5.1 * 3600.0;  // coulomb
-    double resistance = 0.03;          // ohm; 7 milliohms a cell, and the wires
+    double cells = 0.0;
+    double capacity_c = 1.0;  // coulomb
+    double resistance = 1.0;  // ohm, with the wires
 };
 
 class Battery {

@@ -1,5 +1,5 @@
-// What is on the simulated CAN bus beside the vehicle: four motor controllers and a satellite
-// receiver, which speak DroneCAN.
+// What is on the simulated CAN bus beside the vehicle: a controller for each motor and a
+// satellite receiver, which speak DroneCAN.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace stator::world {
 // Silent until the vehicle has sent something, so that graphs without CAN pay nothing for it.
 class CanParts {
   public:
-    using Control = std::array<float, kRotors>;
+    using Control = Controls;
 
     // Where their frames go, when.
     using Send = void (*)(const dronecan::Frame& frame, std::uint64_t now_us);
@@ -30,7 +30,7 @@ class CanParts {
     bool times_out(std::uint64_t now_us);
 
   private:
-    static constexpr unsigned kNodes = kRotors + 1;
+    static constexpr unsigned kNodes = kMaxRotors + 1;
 
     template <class Message>
     void send(const Message& message, unsigned part, std::uint8_t& transfer_id,
@@ -39,12 +39,13 @@ class CanParts {
     void report(const World& world, unsigned motor);
 
     Send send_;
+    unsigned rotors_;
     GnssPart gnss_;
     dronecan::Receiver<1, dronecan::equipment::esc::RawCommand::kType.most_bytes> receiver_;
     Timer report_timer_{.period_us = 50'000};
     Timer status_timer_{.period_us = 1'000'000};
     std::array<std::uint8_t, kNodes> status_ids_{};
-    std::array<std::uint8_t, kRotors> report_ids_{};
+    std::array<std::uint8_t, kMaxRotors> report_ids_{};
     std::uint8_t fix_id_ = 0;
     std::uint8_t geometry_id_ = 0;
     std::uint64_t commanded_us_ = 0;

@@ -1,6 +1,6 @@
 // What goes wrong in a simulated flight, and when: --fail WHAT[=VALUE]@SECONDS[+SECONDS].
 //
-// WHAT is one of a few names, or PART.FAULT: a device of the board, `motor_1` to `motor_4`,
+// WHAT is one of a few names, or PART.FAULT: a device of the board, `motor_1` and so on,
 // `motors` or `wind`, and what is wrong with it. Of a sensor, FAULT is [QUANTITY_][AXIS_]NAME, such
 // as offset, accel_offset or accel_z_offset. Stator knows which parts a graph has and what they can
 // do.
@@ -20,10 +20,6 @@ enum class FaultKind : std::uint8_t {
     kMissionLoss,  // the mission is gone
     kRcLoss,       // the receiver hears nothing, repeats the last frame, and says so
     kBatteryLow,   // at most VALUE is left of the battery, for good
-    kMotor1,       // the first rotor thrusts VALUE times what it should
-    kMotor2,
-    kMotor3,
-    kMotor4,
     // Of a sensor.
     kOffset,       // VALUE is added
     kDrift,        // VALUE is added a second

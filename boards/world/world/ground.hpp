@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "stator/rotation.hpp"
 
@@ -31,24 +32,14 @@ struct Motion {
     Vector3 rate_B;
 };
 
-// Four feet, and the four motors for a vehicle that has turned over.
-inline constexpr unsigned kFeet = 4;
-inline constexpr unsigned kContactPoints = 8;
+inline constexpr unsigned kMaxContactPoints = 32;
 
 struct GroundParameters {
-    // Under 1.535 kg, four feet give 5 mm and swing at 7 Hz with damping ratio 0.7: soft landing
-    // gear, and slow enough for steps of 1 ms.
-    double stiffness = 753.0;  // N/m, each point; along the ground, too
-    double damping = 23.5;     // N s/m, each point; along the ground, too
-    double friction = 0.7;     // of plastic on concrete
-    double height_below_rest =
-        0.1;  // m, from the origin of N down to the feet of a vehicle at rest
-    // From rotor hub to rotor hub and 0.1 m below the centre; hubs 0.05 m above it.
-    std::array<Vector3, kContactPoints> points_B{
-        Vector3(0.13, 0.20, 0.1),    Vector3(-0.13, -0.20, 0.1),  //
-        Vector3(0.13, -0.20, 0.1),   Vector3(-0.13, 0.20, 0.1),   //
-        Vector3(0.13, 0.22, -0.05),  Vector3(-0.13, -0.20, -0.05),
-        Vector3(0.13, -0.22, -0.05), Vector3(-0.13, 0.20, -0.05)};
+    double stiffness = 1.0;  // N/m, each point; along the ground, too
+    double damping = 0.0;    // N s/m, each point; along the ground, too
+    double friction = 0.0;
+    std::vector<Vector3> points_B{};  // the feet first; at most kMaxContactPoints
+    unsigned feet = 0;                // what the vehicle stands on
 };
 
 class Ground {
@@ -75,9 +66,9 @@ class Ground {
 
     GroundParameters parameters_;
     double surface_z_;
-    double reach_;                                   // m, of the farthest point
-    std::array<Vector3, kContactPoints> anchors_N_;  // of points in `touched_`
-    unsigned touched_ = 0;                           // bit i: point i
+    double reach_;                                      // m, of the farthest point
+    std::array<Vector3, kMaxContactPoints> anchors_N_;  // of points in `touched_`
+    unsigned touched_ = 0;                              // bit i: point i
 };
 
 }  // namespace stator::world

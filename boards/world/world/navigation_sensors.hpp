@@ -20,7 +20,7 @@ struct MagnetometerParameters {
 class Magnetometer {
   public:
     Magnetometer(const MagnetometerParameters& parameters, const Earth& earth, std::uint64_t seed);
-    Vector3f measure(const QuadState& state, double current);  // gauss
+    Vector3f measure(const VehicleState& state, double current);  // gauss
 
   private:
     MagnetometerParameters parameters_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "world/conditions.hpp"
+#include "world/variation.hpp"
 
 namespace stator::world {
 
@@ -22,6 +23,7 @@ struct Options {
     bool random_times = false;
     const char* budgets = nullptr;  // TASK=MICROSECONDS, with commas; none: activations take none
     Conditions conditions{};
+    Vehicle vehicle{};  // `--vehicle` replaces it
 };
 
 // False after one line on the standard error output that says what is wrong.

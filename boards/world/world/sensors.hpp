@@ -49,7 +49,7 @@ struct ImuSample {
 
 class Imu {
   public:
-    Imu(const ImuParameters& parameters, std::uint64_t seed);
+    Imu(const ImuParameters& parameters, unsigned rotors, std::uint64_t seed);
     // To be called once each period.
     ImuSample measure(const Plant& plant);
 
@@ -69,7 +69,7 @@ class Imu {
     Vector3f gyro_offset_;  // bias and drift, as they are now
     Vector3f accel_offset_;
     std::uint64_t samples_ = 0;
-    std::array<double, kRotors> rotor_angles_{};  // rad
+    std::array<double, kMaxRotors> rotor_angles_{};  // rad
 };
 
 // Cameras in a laboratory that see markers on the vehicle. Position and heading only.

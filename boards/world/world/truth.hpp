@@ -11,14 +11,15 @@ namespace stator::world {
 
 inline constexpr std::uint64_t kTruthPeriod_us = 10000;
 // N is north-east-down, B forward-right-down; SI units, the rest is in the name.
+// Then the speed of each rotor, rotor_1 and so on, and the battery.
 inline constexpr std::array kTruthColumns{
-    "time_us",   "position_n", "position_e", "position_d", "velocity_n", "velocity_e", "velocity_d",
-    "q_w",       "q_x",        "q_y",        "q_z",        "rate_x",     "rate_y",     "rate_z",
-    "on_ground", "wind_n",     "wind_e",     "wind_d",     "rotor_1",    "rotor_2",    "rotor_3",
-    "rotor_4",   "voltage_v",  "current_a",  "remaining"};
+    "time_us",    "position_n", "position_e", "position_d", "velocity_n", "velocity_e",
+    "velocity_d", "q_w",        "q_x",        "q_y",        "q_z",        "rate_x",
+    "rate_y",     "rate_z",     "on_ground",  "wind_n",     "wind_e",     "wind_d"};
+inline constexpr std::array kBatteryColumns{"voltage_v", "current_a", "remaining"};
 
 // Both are false if not all could be written.
-[[nodiscard]] bool write_truth_head(std::FILE* file);
+[[nodiscard]] bool write_truth_head(std::FILE* file, const World& world);
 [[nodiscard]] bool write_truth(std::FILE* file, const World& world);
 
 }  // namespace stator::world

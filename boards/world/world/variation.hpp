@@ -1,6 +1,7 @@
 // The simulated vehicle of one flight: as published, or one of many that differ from that.
 #pragma once
 
+#include "world/battery.hpp"
 #include "world/navigation_sensors.hpp"
 #include "world/plant.hpp"
 #include "world/sensors.hpp"
@@ -8,7 +9,8 @@
 namespace stator::world {
 
 struct Vehicle {
-    QuadParameters quad{};
+    Airframe airframe{};
+    BatteryParameters battery{};
     ImuParameters imu{};
     MagnetometerParameters magnetometer{};
     BarometerParameters barometer{};
@@ -24,6 +26,6 @@ struct Variation {
     double most_delay = 6e-3;  // s
     double bias = 2.0;
 };
-Vehicle vary(const Variation& variation, std::uint64_t seed);
+Vehicle vary(Vehicle vehicle, const Variation& variation, std::uint64_t seed);
 
 }  // namespace stator::world

@@ -29,7 +29,7 @@ class World {
     // All that happens is on this grid.
     static constexpr std::uint64_t kStep_us = 1000;
 
-    explicit World(const Conditions& conditions);
+    World(const Conditions& conditions, const Vehicle& published);
 
     std::uint64_t next_event_us() const { return next_event_us_; }
     // Then parts measure, before the next event or command. What acts on the vehicle from then on
@@ -37,7 +37,7 @@ class World {
     void move_to_next_event();
     // The command acts from `now_us` on or, of a varied vehicle, after its delay. `now_us`
     // is not before the newest event.
-    void command_motors(std::uint64_t now_us, const std::array<float, kRotors>& control);
+    void command_motors(std::uint64_t now_us, const Controls& control);
 
     std::uint64_t time_us() const { return plant_.time_us(); }
     const Conditions& conditions() const { return conditions_; }
@@ -58,17 +58,17 @@ class World {
     Conditions conditions_;
     Vehicle vehicle_;
     Plant plant_;
-    Battery battery_{BatteryParameters{}};
+    Battery battery_;
     Wind wind_;
     Influence influence_{};
     FlightWatch watch_;
     struct Command {
         std::uint64_t time_us;  // from when on it acts
-        std::array<float, kRotors> control;
+        Controls control;
     };
-    std::deque<Command> commands_;         // on their way
-    std::array<float, kRotors> obeyed_{};  // the newest command of each motor that is not stuck
-    double weakness_ = 1.0;                // of a supply that gives too little current
+    std::deque<Command> commands_;  // on their way
+    Controls obeyed_{};             // the newest command of each motor that is not stuck
+    double weakness_ = 1.0;         // of a supply that gives too little current
     bool motors_are_stopped_ = true;
     std::uint64_t next_event_us_ = 0;
 };

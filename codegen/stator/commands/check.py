@@ -1,4 +1,4 @@
-"""`./stator check`: checks a graph, and shows its size or its errors."""
+"""`./stator check`: checks a graph or a vehicle, and shows its size or its errors."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from stator.arguments import add_graph_arguments, add_verbose_argument
 from stator.build.cmake import RECORDING, build
 from stator.diagnostics import ANSWER_IS_NO, Failed, show_errors, shown_path
+from stator.graph.vehicle import check_vehicle
 from stator.pipeline import make_plan
 from stator.plan.text import show_notes
 
@@ -30,6 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     try:
+        if Path(arguments.graph).absolute().parent.name == "vehicles":
+            return _check_vehicle(Path(arguments.graph), as_json=arguments.json)
         plan = make_plan(arguments.graph, arguments.board)
     except Failed as failed:
         if arguments.json:
@@ -51,6 +54,7 @@ def main(arguments: argparse.Namespace) -> int:
                     "errors": [],
                     "graph": plan.graph.name,
                     "board": plan.board.name,
+                    "vehicle": plan.graph.vehicle.name,
                     "nodes": len(plan.tasks),
                     "topics": len(plan.topics),
                     "hash": graph_hash(plan),
@@ -72,6 +76,21 @@ def main(arguments: argparse.Namespace) -> int:
         f"slots, board {plan.board.name}"
     )
     show_notes(plan)
+    return 0
+
+
+def _check_vehicle(path: Path, *, as_json: bool) -> int:
+    """Raises `Failed`."""
+    vehicle = check_vehicle(path)
+    count, ratio = len(vehicle.rotors.places), vehicle.thrust_over_weight
+    if as_json:
+        facts = {"mass_kg": vehicle.mass, "rotors": count, "thrust_over_weight": round(ratio, 4)}
+        print(json.dumps({"errors": [], "vehicle": vehicle.name} | facts, indent=2))
+        return 0
+    print(
+        f"{shown_path(path)}: no errors: {vehicle.mass:g} kg, {_count(count, 'rotor')}, thrust "
+        f"{ratio:.2f} times the weight"
+    )
     return 0
 
 

@@ -29,6 +29,7 @@ from stator.flight.arguments import (
     recording_of,
     setting_of,
     speed_of,
+    vehicle_options,
 )
 from stator.flight.facts import alone, facts_of, keep, mission_facts
 from stator.flight.kept import keeping, kept_facts, log_of
@@ -114,13 +115,14 @@ def main(arguments: argparse.Namespace) -> int:
         alone(log),
         progress(name, truth, arguments.duration),
         memory_of(mission, is_guided=is_guided) as memory,
+        vehicle_options(made_plan(arguments).graph.vehicle) as vehicle,
         opened(kept_records) if kept_records else contextlib.nullcontext() as records,
         Endings() as endings,
     ):
         finished = fly(
             emulator,
             image,
-            [str(plant), *options],
+            [str(plant), *options, *vehicle],
             log,
             argument=FIGURES if arguments.figures else "",
             link=link,

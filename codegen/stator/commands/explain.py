@@ -1,4 +1,5 @@
-"""`./stator explain`: when and where a node runs, and why; what a topic needs; a chain's way."""
+"""`./stator explain`: when and where a node runs, and why; what a topic needs; a chain's way; what
+the vehicle can do."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from stator.arguments import add_graph_arguments
 from stator.diagnostics import Failed, UserError, in_place, nearest, shown_path
+from stator.graph.vehicle import param_values
 from stator.language.period import spelled_us
 from stator.language.shapes import quoted
 from stator.pipeline import make_plan
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from stator.graph.model import Chain, Message, Node
+    from stator.graph.vehicle import Vehicle
     from stator.plan.plan import Plan, Task
     from stator.plan.topics import TopicPlan
 
@@ -39,7 +42,7 @@ WAYS = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_graph_arguments(parser)
-    parser.add_argument("node", help="node, topic, message or chain of the graph")
+    parser.add_argument("node", help="node, topic, message, chain or vehicle of the graph")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -48,8 +51,9 @@ def main(arguments: argparse.Namespace) -> int:
     if lines is None:
         known = [*plan.graph.nodes, *plan.topics, *(chain.name for chain in plan.graph.chains)]
         known += sorted({topic.message.name for topic in plan.topics.values()})
+        known.append(plan.graph.vehicle.name)
         raise UserError(
-            f"error: unknown node, topic, message or chain '{arguments.node}' of "
+            f"error: unknown node, topic, message, chain or vehicle '{arguments.node}' of "
             f"{plan.graph.name}\n"
             f"hint: {nearest(arguments.node, known)}"
         )
@@ -58,8 +62,8 @@ def main(arguments: argparse.Namespace) -> int:
 
 
 def explain(plan: Plan, name: str) -> list[str] | None:
-    """Lines about a node, a topic, a message or a chain; None if the graph has none of this
-    name."""
+    """Lines about a node, a topic, a message, a chain or the vehicle; None if the graph has none of
+    this name."""
     if name in plan.graph.nodes:
         task = plan.task(name)
         rows = [*_runs(plan, task), *_ports(plan, task.node), *_params(task.node)]
@@ -77,7 +81,34 @@ def explain(plan: Plan, name: str) -> list[str] | None:
     for chain in plan.graph.chains:
         if chain.name == name:
             return _text(f"{name}: a chain of {len(chain.path)} nodes", _chain(plan, chain))
+    if name == plan.graph.vehicle.name:
+        return _text(f"{name}: {plan.graph.vehicle.doc}", _vehicle(plan.graph.vehicle))
     return None
+
+
+def _vehicle(vehicle: Vehicle) -> list[Row]:
+    """What it can do, and what nodes take from it."""
+    rotors, battery = vehicle.rotors, vehicle.battery
+    xx, yy, zz, xz = vehicle.inertia
+    rows = [
+        ("in", shown_path(vehicle.file)),
+        ("mass", f"{vehicle.mass:g} kg"),
+        ("inertia", f"xx {xx:g}, yy {yy:g}, zz {zz:g}, xz {xz:g} kg m^2"),
+        (
+            "thrust",
+            f"{rotors.most_thrust:.1f} N of {len(rotors.places)} rotors, "
+            f"{vehicle.thrust_over_weight:.2f} times the weight",
+        ),
+        ("battery", f"{battery.cells} cells, {battery.capacity / 3600.0:g} Ah"),
+    ]
+    for i, rotor in enumerate(rotors.places):
+        wake = "" if rotor.in_wake == 1.0 else f", {rotor.in_wake:g} of its thrust in a wake"
+        turns = "counter-clockwise" if rotor.is_ccw else "clockwise"
+        place = f"{rotor.x:g} m forward, {rotor.y:g} m right, {rotor.z:g} m down"
+        rows.append((f"rotor {i + 1}", f"{place}, turns {turns}{wake}"))
+    given = [(key, value) for key, value in param_values(vehicle).items() if "rotor" not in key]
+    rows += [(f"value {key}", f"{float(value):g}") for key, value in given]
+    return rows
 
 
 def _chain(plan: Plan, chain: Chain) -> list[Row]:

@@ -1,4 +1,4 @@
-"""`./stator new`: writes the files of a new app or graph, ready to build and to change."""
+"""`./stator new`: writes the files of a new app, graph or vehicle, ready to build and to change."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from stator import HOME
 from stator.arguments import path
-from stator.diagnostics import UserError, in_place, shown_argument, shown_path
+from stator.diagnostics import Report, UserError, in_place, nearest, shown_argument, shown_path
+from stator.graph.sources import Sources
 from stator.language.shapes import NAME_HINT, NAME_PATTERN
 from stator.names import reserved_reason, reserved_type_reason, upper_camel
 
@@ -22,11 +23,16 @@ TEMPLATES = Path(__file__).parent / "new_templates"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    kinds = parser.add_subparsers(dest="kind", metavar="app|graph", required=True)
+    kinds = parser.add_subparsers(dest="kind", metavar="app|graph|vehicle", required=True)
     app = kinds.add_parser("app", help="a node: interface, code, and a message to publish")
     graph = kinds.add_parser("graph", help="a vehicle that differs from the quadrotor")
     graph.add_argument("--app", help="add a node of this app, which `./stator new app` has written")
-    for kind in (app, graph):
+    graph.add_argument("--vehicle", help="the vehicle that flies it (default: the Iris)")
+    vehicle = kinds.add_parser("vehicle", help="mass, rotors, battery: a vehicle of one's own")
+    vehicle.add_argument(
+        "--like", default="iris", help="the vehicle to copy and to change (default: iris)"
+    )
+    for kind in (app, graph, vehicle):
         kind.add_argument("name", help="name in snake_case, for example tilt_watch")
         kind.add_argument(
             "--in",
@@ -48,10 +54,14 @@ def main(arguments: argparse.Namespace) -> int:
             following += f" --in {shown_argument(arguments.folder)}"
         tests = arguments.folder / "tests" / "apps" / name
         following += f"\ntest: ./stator test {shown_argument(tests)}"
+    elif arguments.kind == "vehicle":
+        files = _vehicle(name, arguments.folder, arguments.like)
+        following = f"./stator check {shown_argument(next(iter(files)))}"
+        following += f"\nfly: write `vehicle: {name}` in a graph"
     else:
         if arguments.app is not None:
             _check_name(arguments.app, "an app")
-        files = _graph(name, arguments.folder, arguments.app)
+        files = _graph(name, arguments.folder, arguments.app, arguments.vehicle)
         following = f"./stator fly {shown_argument(next(iter(files)))}"
     _write(files)
     print("\n".join(f"{shown_path(file)}: written" for file in files))
@@ -90,14 +100,32 @@ def _app(name: str, folder: Path) -> dict[Path, str]:
     }
 
 
-def _graph(name: str, folder: Path, app: str | None) -> dict[Path, str]:
+def _vehicle(name: str, folder: Path, like: str) -> dict[Path, str]:
+    vehicles = _graphs(folder) / "vehicles"
+    return {vehicles / f"{name}.yaml": _vehicle_file(folder, like).read_text(encoding="utf-8")}
+
+
+def _vehicle_file(folder: Path, name: str) -> Path:
+    known = Sources(folder, Report()).vehicles()
+    if name not in known:
+        raise UserError(f"error: unknown vehicle '{name}'\nhint: {nearest(name, known)}")
+    return known[name]
+
+
+def _graphs(folder: Path) -> Path:
+    return folder / "graph" if folder.resolve() == HOME else folder
+
+
+def _graph(name: str, folder: Path, app: str | None, vehicle: str | None) -> dict[Path, str]:
+    if vehicle is not None:
+        _vehicle_file(folder, vehicle)
     if app is not None and not (folder / "apps" / app / f"{app}.yaml").is_file():
         raise UserError(
             f"error: unknown app '{app}' in {shown_path(folder / 'apps')}\n"
             f"hint: ./stator new app {app}"
         )
-    graphs = folder / "graph" if folder.resolve() == HOME else folder
-    return {graphs / f"{name}.yaml": _render("graph.yaml.j2", {"name": name, "app": app})}
+    fields = {"name": name, "app": app, "vehicle": vehicle}
+    return {_graphs(folder) / f"{name}.yaml": _render("graph.yaml.j2", fields)}
 
 
 def _render(template: str, fields: Mapping[str, str | None]) -> str:

@@ -23,6 +23,7 @@ FILES = {
     "budgets": "budgets/*.yaml",
     "failsafe": "apps/*/failsafe.yaml",
     "mission": "missions/*.yaml",
+    "vehicle": "vehicles/*.yaml",
 }
 
 

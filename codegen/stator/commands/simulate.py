@@ -17,6 +17,7 @@ from stator.flight.arguments import (
     flight_options,
     is_windy,
     speed_of,
+    vehicle_options,
 )
 from stator.flight.facts import NOT_WHOLE
 from stator.flight.hil import USUAL_PLACE, listening_place_of
@@ -24,6 +25,7 @@ from stator.flight.judge import CALM, IN_WIND, lying
 from stator.flight.log import read_truth
 from stator.flight.progress import progress
 from stator.flight.restarts import Endings
+from stator.graph.vehicle import check_vehicle
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -52,6 +54,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="file for the true flight (default: in build/flights)",
     )
+    parser.add_argument(
+        "--vehicle", type=path, metavar="FILE", help="vehicle to simulate (default: the Iris)"
+    )
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
     add_verbose_argument(parser)
     add_world_arguments(parser)
@@ -62,6 +67,7 @@ def main(arguments: argparse.Namespace) -> int:
     # Its failures are those of the devices that the world feeds here.
     arguments.graph, arguments.board = HOME / "graph" / "quad_outdoor.yaml", "sitl"
     arguments.pilot = None
+    vehicle = check_vehicle(arguments.vehicle or HOME / "graph" / "vehicles" / "iris.yaml")
     program = build_hil_simulator()
     truth = arguments.truth or _usual_truth(arguments.seed)
     command = [str(program), "--hil", arguments.hil, "--truth", str(truth)]
@@ -69,8 +75,12 @@ def main(arguments: argparse.Namespace) -> int:
     if arguments.speed is not None:
         command += ["--speed", f"{arguments.speed:.6f}"]
     name = f"simulating at {arguments.hil}, seed {arguments.seed}"
-    with progress(name, truth, arguments.duration), Endings() as endings:
-        finished = endings.run(command)
+    with (
+        vehicle_options(vehicle) as options,
+        progress(name, truth, arguments.duration),
+        Endings() as endings,
+    ):
+        finished = endings.run([*command, *options])
     if finished.returncode > NOT_WHOLE or finished.returncode < 0:
         raise UserError(finished.stderr.rstrip())
     facts = _facts(json.loads(finished.stdout), truth, arguments)

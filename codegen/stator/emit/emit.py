@@ -14,7 +14,7 @@ import jinja2
 
 from stator import HOME
 from stator.diagnostics import Mark, UserError
-from stator.emit import cortex_m, devices, metadata, pthread, recording, rows
+from stator.emit import cortex_m, devices, metadata, pthread, recording, rows, vehicles
 from stator.emit import parameters as params
 from stator.emit import tasks as emit_tasks
 from stator.names import snake
@@ -162,8 +162,14 @@ def _devices(plan: Plan) -> dict[str, str]:
     names = ["devices.hpp", "devices.cpp"] if row.devices else ["devices.hpp"]
     files = {name: _render(f"{name}.j2", origin, board=row) for name in names}
     fed = devices.sensors(plan.board)
-    names = ["samples.hpp", "sensors.hpp", "hand_over.hpp"] if fed.devices else []
-    return files | {name: _render(f"{name}.j2", origin, board=fed) for name in names}
+    if not fed.devices:
+        return files
+    names = ["samples.hpp", "sensors.hpp", "hand_over.hpp"]
+    files |= {name: _render(f"{name}.j2", origin, board=fed) for name in names}
+    vehicle = plan.graph.vehicle
+    lines = vehicles.world_lines(vehicle)
+    name = "world_vehicle.hpp"
+    return files | {name: _render(f"{name}.j2", _start(vehicle.file), lines=lines)}
 
 
 def _cortex_m(plan: Plan, tasks: list[TaskRow]) -> dict[str, str]:

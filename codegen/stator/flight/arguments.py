@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from stator.flight.params import Replaced
     from stator.graph.model import Graph
+    from stator.graph.vehicle import Vehicle
     from stator.mission.model import Mission
     from stator.plan.plan import Plan
 
@@ -187,6 +188,17 @@ def memory_of(mission: Mission | None, *, is_guided: bool = False) -> Iterator[P
         file = Path(folder) / "mission"
         write(mission, file)
         yield file
+
+
+@contextlib.contextmanager
+def vehicle_options(vehicle: Vehicle) -> Iterator[list[str]]:
+    """Options of a program of the simulated world that is built without the graph."""
+    from stator.emit.vehicles import world_lines
+
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "vehicle"
+        file.write_text("\n".join([*world_lines(vehicle), ""]), encoding="utf-8")
+        yield ["--vehicle", str(file)]
 
 
 def place_options(mission: Mission | None) -> list[str]:

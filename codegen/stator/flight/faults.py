@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 LATEST_S = 1e6
 RANDOM = "random"
 MOST_RANDOM = 8
-MOTORS = 4
 
 
 class Usual(NamedTuple):
@@ -153,6 +152,7 @@ class Faults:
 
     def __init__(self, plan: Plan) -> None:
         self.classes: dict[str, str] = {}  # of each part
+        self.motors = len(plan.graph.vehicle.rotors.places)
         has_motors = False
         for node in plan.graph.nodes.values():
             if node.interface.name == "can_esc":
@@ -165,7 +165,7 @@ class Faults:
             if kind in QUANTITIES or kind in SPECIAL:
                 self.classes[node.device] = kind
         if has_motors:
-            self.classes |= {f"motor_{i + 1}": "motor" for i in range(MOTORS)}
+            self.classes |= {f"motor_{i + 1}": "motor" for i in range(self.motors)}
         self.classes["wind"] = "wind"
 
     def of_part(self, part: str) -> dict[str, Usual]:
@@ -208,7 +208,7 @@ class Faults:
             lines.append(f"  {part}: {', '.join(names)}{more}")
         short = [name for name, (kind, _) in SHORT.items() if kind in self.classes.values()]
         if "motor_1" in self.classes:
-            short.append(f"motor_1 to motor_{MOTORS}[=0..1]")
+            short.append(f"motor_1 to motor_{self.motors}[=0..1]")
         lines.append(f"  a node ({', '.join(nodes)}): {', '.join(OF_NODE)}")
         return "\n".join([*lines, f"  short: {', '.join(short)}"])
 

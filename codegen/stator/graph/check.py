@@ -18,6 +18,7 @@ from stator.graph.checks.replaced import check_replaced
 from stator.graph.checks.topics import connect
 from stator.graph.model import Board, Budget, Graph
 from stator.graph.sources import Sources
+from stator.graph.vehicle import find_vehicle
 from stator.language import keys as language
 from stator.language.compose import Composer, check_variables
 from stator.language.shapes import GRAPH_NAME, check_name
@@ -56,6 +57,9 @@ def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
         )
 
     sources = Sources(path.parent, report)
+    vehicle = find_vehicle(sources, record.get("vehicle"), record.owner)
+    if vehicle is None:
+        report.stop_on_errors()  # parameters lack their values: do not report those
     own, board = _boards(record, board_name, sources)
     nodes = read_nodes(record, own, board, sources, _budgets(path, board, record, sources))
     topics = connect(record, nodes, report)
@@ -67,11 +71,13 @@ def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
     report.stop_on_errors()
     assert own is not None
     assert board is not None
+    assert vehicle is not None
     graph = Graph(
         name=path.stem,
         file=path,
         doc=record.value("doc", ""),
         board=own,
+        vehicle=vehicle,
         nodes=nodes.good,
         topics=topics,
         modes=modes,

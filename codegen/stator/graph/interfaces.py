@@ -11,15 +11,18 @@ from stator.graph.failsafe import STATUS, read_failsafe
 from stator.graph.messages import find_message, pad
 from stator.graph.model import Failsafe, Field, Interface, Message, Param, Port
 from stator.graph.value import read_value
+from stator.graph.vehicle import values_of
 from stator.language import keys as language
-from stator.language.shapes import Record, items
+from stator.language.shapes import Leaf, Record, items
 from stator.names import upper_camel
+from stator.quantities import shown
 
 if TYPE_CHECKING:
     from collections.abc import Set
     from pathlib import Path
 
     from stator.diagnostics import Report
+    from stator.graph.model import Value
     from stator.graph.sources import Sources
 
 
@@ -52,7 +55,7 @@ def read_interface(sources: Sources, name: str, path: Path, *, is_app: bool) -> 
     params = {
         key: param
         for key, value in items(record, "params")
-        if (param := _param(key, value, report)) is not None
+        if (param := _param(key, value, sources)) is not None
     }
     whole = {name for name, param in params.items() if param.type == "int32"}
     failsafe = _failsafe(sources, record, path, whole)
@@ -140,9 +143,10 @@ def _check_names(record: Record, outputs: dict[str, Port], report: Report) -> No
                 )
 
 
-def _param(name: str, record: Record, report: Report) -> Param | None:
+def _param(name: str, record: Record, sources: Sources) -> Param | None:
+    report = sources.report
     type_name, default = record.value("type"), record.get("default")
-    if type_name is None or default is None:
+    if type_name is None or not _has_default(record, report):
         return None
     unit, doc = record.value("unit", "1"), record.value("doc", "")
     bounds: list[Fraction | None] = [None, None]
@@ -173,8 +177,50 @@ def _param(name: str, record: Record, report: Report) -> Param | None:
         )
         return None
     param = replace(param, least=least, most=most)
-    value = read_value(param, default, report, in_file=True)
+    value = (
+        _of_vehicle(param, record.get("vehicle"), sources)
+        if default is None
+        else read_value(param, default, report, in_file=True)
+    )
     return None if value is None else replace(param, default=value)
+
+
+def _has_default(record: Record, report: Report) -> bool:
+    """A value of its own, or one of the vehicle."""
+    count = sum(key in record.keys for key in ("default", "vehicle"))
+    if count == 1:
+        return record.get("default") is not None or record.get("vehicle") is not None
+    report.error(
+        record.owner,
+        "missing-key" if count == 0 else "name-clash",
+        "missing key 'default'" if count == 0 else "expected `default` or `vehicle`, found both",
+        "add `default`: the value if the graph gives none" if count == 0 else "remove one of them",
+    )
+    return False
+
+
+def _of_vehicle(param: Param, leaf: Leaf, sources: Sources) -> Value | None:
+    known = values_of(sources)
+    if leaf.value not in known:
+        sources.report.error(
+            leaf.mark,
+            "vehicle-value",
+            f"unknown value '{leaf.value}' of a vehicle",
+            sources.report.nearest(leaf.value, known),
+        )
+        return None
+    value = known[leaf.value]
+    least, most = param.least, param.most
+    if (least is None or least <= value) and (most is None or value <= most):
+        return int(value) if param.type == "int32" else value
+    sources.report.error(
+        leaf.mark,
+        "param-range",
+        f"expected a value from {shown(least or value)} to {shown(most or value)} for "
+        f"'{param.name}', found {shown(value)}, the {leaf.value} of vehicle '{sources.vehicle}'",
+        "change the vehicle or the range",
+    )
+    return None
 
 
 def params_message(app: str, params: dict[str, Param], mark: Mark) -> Message | None:

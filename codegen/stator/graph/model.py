@@ -7,6 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from stator.diagnostics import Mark
+from stator.graph.vehicle import Vehicle
 from stator.names import snake, upper_camel
 
 # type name -> (C++ type, ULog type, bytes)
@@ -312,6 +313,7 @@ class Graph:
     file: Path
     doc: str
     board: Board
+    vehicle: Vehicle
     nodes: dict[str, Node]
     topics: dict[str, Topic]
     modes: Modes | None

@@ -1,4 +1,4 @@
-"""Finds what a graph names: apps, messages, device classes, drivers, boards, chips.
+"""Finds what a graph names: apps, messages, vehicles, device classes, drivers, boards, chips.
 
 Searches the folder of the graph first, then Stator itself. Reads each file once.
 """
@@ -22,6 +22,7 @@ class Sources:
     def __init__(self, beside: Path, report: Report) -> None:
         self.report = report
         self.files: list[Path] = []
+        self.vehicle = "iris"  # of the graph, once it is known
         self._bases = [beside] if beside == HOME else [beside, HOME]
         self._cache: dict[tuple[str, str], Any] = {}
 
@@ -41,15 +42,21 @@ class Sources:
         return self._folders("drivers", "*/*/", lambda p: f"{p.parent.name}/{p.name}", header)
 
     def messages(self) -> dict[str, Path]:
+        return self._files("messages")
+
+    def vehicles(self) -> dict[str, Path]:
+        return self._files("vehicles")
+
+    def _files(self, kind: str) -> dict[str, Path]:
         def find() -> dict[str, Path]:
             found: dict[str, Path] = {}
             for base in self._bases:
-                for folder in (base / "messages", base / "graph" / "messages"):
+                for folder in (base / kind, base / "graph" / kind):
                     for path in sorted(folder.glob("*.yaml")):
                         found.setdefault(path.stem, path)
             return found
 
-        result: dict[str, Path] = self.once("folders", "messages", find)
+        result: dict[str, Path] = self.once("folders", kind, find)
         return result
 
     def _folders(

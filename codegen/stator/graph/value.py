@@ -5,8 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from stator.language.quantity import factor_of
 from stator.language.shapes import quoted
-from stator.quantities import CONVERSIONS, meant, shown, split
+from stator.quantities import shown, split
 
 if TYPE_CHECKING:
     from stator.diagnostics import Report
@@ -42,7 +43,11 @@ def read_value(
         )
         return None
     number, unit = parts
-    factor = _bare(param, unit, item, report) if in_file else _factor(param, unit, item, report)
+    factor = (
+        _bare(param, unit, item, report)
+        if in_file
+        else factor_of(unit, param.unit, item, report, f" for '{param.name}'")
+    )
     if factor is None:
         return None
     number *= factor
@@ -101,37 +106,4 @@ def _bare(param: Param, unit: str, item: Scalar, report: Report) -> Fraction | N
         f"expected a number without a unit, found {quoted(item.text)}",
         f"remove the unit: the key `unit` gives it ({param.unit})",
     )
-    return None
-
-
-def _factor(param: Param, unit: str, item: Scalar, report: Report) -> Fraction | None:
-    if unit == param.unit or (unit == "" and param.unit == "1"):
-        return Fraction(1)
-    known = CONVERSIONS.get(param.unit, {})
-    if unit in known:
-        return known[unit]
-    choices = [u for u in (param.unit, *known) if u != "1"]
-    if unit == "":
-        report.error(
-            item.mark,
-            "unit-missing",
-            f"expected a number with its unit for '{param.name}', found {quoted(item.text)}",
-            "write " + " or ".join(f"{item.text} {u}" for u in choices),
-        )
-    elif param.unit == "1":
-        bare = item.text[: len(item.text) - len(unit)].strip()
-        report.error(
-            item.mark,
-            "unit-unknown",
-            f"expected a number without a unit for '{param.name}', found {quoted(item.text)}",
-            f"write {bare} or {bare} %",
-        )
-    else:
-        same = meant(unit, choices)
-        report.error(
-            item.mark,
-            "unit-unknown",
-            f"expected a value in {param.unit} for '{param.name}', found {quoted(item.text)}",
-            f"write {same}" if same else "use " + " or ".join(choices),
-        )
     return None

@@ -173,6 +173,11 @@ GRAPH = Struct(
     {
         "doc": Key(Text(), "What this graph is for."),
         "board": Key(Name("a board"), "The board that the graph runs on.", required=True),
+        "vehicle": Key(
+            Name("a vehicle"),
+            "The vehicle that flies: a file of vehicles/ beside the graph, or one of Stator's own; "
+            "iris if left out.",
+        ),
         "include": Key(
             Listing(INCLUDE),
             "Files to build on. The keys of this file replace the same keys of the included files; "
@@ -275,7 +280,12 @@ PARAM = Struct(
         "type": Key(Choice(("float", "int32", "bool")), "The type of the value.", required=True),
         "unit": Key(UNIT, 'The unit of the value; "1" for no unit.'),
         "range": Key(Listing(Raw(), least=2, most=2), "[lowest, highest] value."),
-        "default": Key(Raw(), "The value if the graph gives none.", required=True),
+        "default": Key(Raw(), "The value if the graph gives none; required without `vehicle`."),
+        "vehicle": Key(
+            Name("a value of a vehicle"),
+            "What of the graph's vehicle is the value if the graph gives none, such as "
+            "hover_thrust or rotor0_x; in place of `default`.",
+        ),
         "fixed": Key(Boolean(), "true: the value cannot change while the graph runs."),
         "in_flight": Key(Boolean(), "false: the value cannot change while the vehicle is armed."),
         "id": Key(

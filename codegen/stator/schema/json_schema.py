@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from stator.graph import failsafe
 from stator.language import keys as language
+from stator.language.vehicle_keys import VEHICLE
 from stator.mission import yaml as mission_yaml
 from stator.version import SCHEMA_VERSION
 
@@ -31,6 +32,7 @@ KINDS: dict[str, Shape] = {
     "budgets": language.BUDGETS,
     "failsafe": failsafe.SHAPE,
     "mission": mission_yaml.MISSION,
+    "vehicle": VEHICLE,
 }
 
 

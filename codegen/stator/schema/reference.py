@@ -23,6 +23,11 @@ FILES = {
         "Beside the interface of an app: the next flight mode for each mode and event.",
     ),
     "mission": ("Mission", "`graph/missions/*.yaml`, for `./stator fly --mission`."),
+    "vehicle": (
+        "Vehicle",
+        "`graph/vehicles/NAME.yaml`: what flies. Lengths are from the centre of mass: x forward,\n"
+        "y to the right, z down.",
+    ),
 }
 HEAD = """# The language
 

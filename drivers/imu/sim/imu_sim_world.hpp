@@ -12,7 +12,8 @@ namespace stator::drivers::imu::sim {
 class ImuSimWorld {
   public:
     explicit ImuSimWorld(const world::World& world)
-        : imu_(world.vehicle().imu, world.conditions().seed),
+        : imu_(world.vehicle().imu, world.vehicle().airframe.rotor_count(),
+               world.conditions().seed),
           timer_{world.vehicle().imu.period_us} {}
 
     std::optional<ImuSimSample> measure(const world::World& world) {

@@ -4,6 +4,7 @@
 // MuJoCo's world is north-west-up, its body forward-left-up; what it is given is in these.
 #include <gtest/gtest.h>
 
+#include "iris.hpp"
 #include "world/plant.hpp"
 
 #ifdef STATOR_MUJOCO
@@ -25,7 +26,7 @@ constexpr double kEngineStep = 1e-4;  // s; forces that depend on velocity are h
 // from each time on.
 struct Phase {
     double begin;
-    std::array<float, kRotors> control;
+    Controls control;
 };
 constexpr std::array<Phase, 4> kManoeuvre{{{0.0, {0.7F, 0.7F, 0.7F, 0.7F}},
                                            {0.3, {0.3F, 0.9F, 0.95F, 0.2F}},
@@ -33,7 +34,7 @@ constexpr std::array<Phase, 4> kManoeuvre{{{0.0, {0.7F, 0.7F, 0.7F, 0.7F}},
                                            {1.1, {0.2F, 0.1F, 0.5F, 0.6F}}}};
 
 // The rotor's speed, by the exponentials that solve its lag.
-double rotor_speed(const QuadParameters& quad, unsigned rotor, double time) {
+double rotor_speed(const Airframe& quad, unsigned rotor, double time) {
     double speed = 0.0;
     for (std::size_t i = 0; i < kManoeuvre.size(); ++i) {
         const double begin = kManoeuvre[i].begin;
@@ -47,22 +48,23 @@ double rotor_speed(const QuadParameters& quad, unsigned rotor, double time) {
     return speed;
 }
 
-std::string model(const QuadParameters& quad) {
+std::string model(const Airframe& quad) {
     const auto number = [](double value) { return std::to_string(value) + " "; };
     std::string sites;
     std::string motors;
-    for (unsigned i = 0; i < kRotors; ++i) {
+    for (unsigned i = 0; i < 4; ++i) {
         const Rotor& rotor = quad.rotors[i];
         const std::string name = "\"r" + std::to_string(i) + "\"";
-        sites += "<site name=" + name + " pos=\"" + number(rotor.x) + number(-rotor.y) + "0\"/>";
+        sites += "<site name=" + name + " pos=\"" + number(rotor.place_B.x()) +
+                 number(-rotor.place_B.y()) + "0\"/>";
         motors += "<motor site=" + name + " gear=\"0 0 1 0 0 " +
                   number(-rotor.turns_ccw * quad.torque_per_thrust) + "\"/>";
     }
     return "<mujoco><compiler inertiafromgeom=\"false\"/><option integrator=\"RK4\" timestep=\"" +
            number(kEngineStep) + "\" gravity=\"0 0 -9.80665\"/><worldbody><body name=\"quad\">" +
            "<freejoint/><inertial pos=\"0 0 0\" mass=\"" + number(quad.mass) + "\" diaginertia=\"" +
-           number(quad.inertia_B.x()) + number(quad.inertia_B.y()) + number(quad.inertia_B.z()) +
-           "\"/>" + sites + "</body></worldbody><actuator>" + motors + "</actuator></mujoco>";
+           number(quad.inertia.xx) + number(quad.inertia.yy) + number(quad.inertia.zz) + "\"/>" +
+           sites + "</body></worldbody><actuator>" + motors + "</actuator></mujoco>";
 }
 
 // Where it is after the manoeuvre, from where it began.
@@ -74,7 +76,7 @@ struct End {
 
 class Engine {
   public:
-    explicit Engine(const QuadParameters& quad) : quad_(quad) {
+    explicit Engine(const Airframe& quad) : quad_(quad) {
         const std::string path = testing::TempDir() + "stator_quad.xml";
         const std::string text = model(quad);
         std::FILE* const file = std::fopen(path.c_str(), "wb");
@@ -98,7 +100,7 @@ class Engine {
         for (long step = 0; step < steps; ++step) {
             mj_forward(model_, data_);
             mju_zero(data_->qfrc_applied, model_->nv);
-            for (unsigned i = 0; i < kRotors; ++i) {
+            for (unsigned i = 0; i < 4; ++i) {
                 push(i, rotor_speed(quad_, i, (static_cast<double>(step) + 0.5) * kEngineStep));
             }
             mj_step(model_, data_);
@@ -127,13 +129,13 @@ class Engine {
                    data_->qfrc_applied);
     }
 
-    QuadParameters quad_;
+    Airframe quad_;
     mjModel* model_ = nullptr;
     mjData* data_ = nullptr;
 };
 
-End fly_plant(const QuadParameters& quad) {
-    QuadState start;
+End fly_plant(const Airframe& quad) {
+    VehicleState start;
     start.position_N.z() = -kHeight;
     Plant plant(quad, start);
     double turned = 0.0;
@@ -148,7 +150,7 @@ End fly_plant(const QuadParameters& quad) {
 }
 
 TEST(IndependentEngine, flies_the_same_flip) {
-    QuadParameters quad;
+    Airframe quad = iris().airframe;
     quad.drag_area_B.setZero();  // MuJoCo has no such drag
     const End ours = fly_plant(quad);
     const End theirs = Engine(quad).fly();

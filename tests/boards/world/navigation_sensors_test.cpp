@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "iris.hpp"
 #include "world/battery.hpp"
 #include "world/variation.hpp"
 
@@ -22,8 +23,8 @@ double deviation(const std::vector<double>& values) {
     return std::sqrt(squares / static_cast<double>(values.size()));
 }
 
-QuadState at(const Vector3& position_N) {
-    QuadState state;
+VehicleState at(const Vector3& position_N) {
+    VehicleState state;
     state.position_N = position_N;
     return state;
 }
@@ -77,7 +78,7 @@ TEST(Magnetometer, sees_declination_and_inclination) {
     MagnetometerParameters parameters;
     parameters.hard_iron = 0.0;
     Magnetometer magnetometer(parameters, Earth{}, 1);
-    QuadState state;
+    VehicleState state;
     state.q_NB = math::from_euler(math::EulerAngles<double>{0.0, 0.0, 1.0});
     Vector3 sum = Vector3::Zero();
     std::vector<double> down;
@@ -99,8 +100,8 @@ TEST(Magnetometer, is_pulled_by_iron_and_current) {
     std::vector<double> iron;
     for (std::uint64_t seed = 0; seed < 1000; ++seed) {
         Magnetometer magnetometer(parameters, Earth{}, seed);
-        const Vector3 idle = magnetometer.measure(QuadState{}, 0.0).cast<double>();
-        const Vector3 loaded = magnetometer.measure(QuadState{}, 50.0).cast<double>();
+        const Vector3 idle = magnetometer.measure(VehicleState{}, 0.0).cast<double>();
+        const Vector3 loaded = magnetometer.measure(VehicleState{}, 50.0).cast<double>();
         iron.push_back(idle.x());
         EXPECT_NEAR((loaded - idle).norm(), 0.01, 2e-3);  // 0.2 mG/A; a step is 0.9 mG
     }
@@ -111,7 +112,7 @@ TEST(Barometer, measures_pressure_with_noise_and_an_offset) {
     BarometerParameters parameters;
     parameters.drift = 0.0;
     std::vector<double> offsets;
-    const Plant plant(QuadParameters{}, at(Vector3(0.0, 0.0, -100.0)));
+    const Plant plant(iris().airframe, at(Vector3(0.0, 0.0, -100.0)));
     for (std::uint64_t seed = 0; seed < 400; ++seed) {
         Barometer barometer(parameters, Earth{}, seed);
         offsets.push_back(static_cast<double>(barometer.measure(plant).pressure));
@@ -133,16 +134,16 @@ TEST(Barometer, measures_pressure_with_noise_and_an_offset) {
 TEST(Barometer, feels_wind_and_rotors_and_drifts) {
     BarometerParameters parameters;
     parameters.noise = parameters.offset = parameters.drift = 0.0;
-    QuadState state = at(Vector3(0.0, 0.0, -100.0));
+    VehicleState state = at(Vector3(0.0, 0.0, -100.0));
     const auto pressure = [&](const Plant& plant) {
         return static_cast<double>(Barometer(parameters, Earth{}, 1).measure(plant).pressure);
     };
-    Plant plant(QuadParameters{}, state);
+    Plant plant(iris().airframe, state);
     const double calm = pressure(plant);
     plant.set_influence({.wind_N = Vector3(20.0, 0.0, 0.0)});
     EXPECT_NEAR(pressure(plant) - calm, -0.1 * 0.5 * 1.225 * 400.0, 1.0);
     state.rotor_speeds.setConstant(802.746);
-    EXPECT_NEAR(pressure(Plant(QuadParameters{}, state)) - calm, 5.0, 1.0);
+    EXPECT_NEAR(pressure(Plant(iris().airframe, state)) - calm, 5.0, 1.0);
     parameters.drift = 15.0;
     std::vector<double> drifted;
     parameters.period_us = 1000000;
@@ -155,7 +156,7 @@ TEST(Barometer, feels_wind_and_rotors_and_drifts) {
 
 TEST(GnssReceiver, errs_by_a_slow_and_a_fast_part) {
     const Earth earth;
-    const Plant plant(QuadParameters{}, at(Vector3(0.0, 0.0, -20.0)));
+    const Plant plant(iris().airframe, at(Vector3(0.0, 0.0, -20.0)));
     std::vector<double> north;    // of the first fix of each seed
     std::vector<double> changed;  // a minute later
     std::vector<double> velocity;
@@ -181,14 +182,14 @@ TEST(Battery, gives_the_cells_voltage_less_what_its_resistance_takes) {
     EXPECT_NEAR(open_circuit_voltage(1.0), 4.1029, 1e-4);
     EXPECT_NEAR(open_circuit_voltage(0.5), 3.8034, 1e-4);
     EXPECT_NEAR(open_circuit_voltage(0.0), 2.654, 1e-4);
-    Battery battery(BatteryParameters{});
+    Battery battery(iris().battery);
     battery.draw(170.8, 0.0);
-    EXPECT_NEAR(battery.voltage(), 11.877, 1e-3);  // see QuadParameters::nominal_voltage
+    EXPECT_NEAR(battery.voltage(), 11.877, 1e-3);  // see Airframe::nominal_voltage
     EXPECT_NEAR(battery.voltage() * battery.current(), 170.8, 1e-6);
 }
 
 TEST(Battery, lasts_as_long_as_its_charge) {
-    Battery battery(BatteryParameters{});
+    Battery battery(iris().battery);
     double seconds = 0.0;
     for (; battery.remaining() > 0.2; seconds += 0.1) battery.draw(170.8, 0.1);
     // The Iris flies 16 to 22 minutes by its makers; 80 % of 5.1 Ah at 15 A are 16.
@@ -200,29 +201,35 @@ TEST(Battery, lasts_as_long_as_its_charge) {
 }
 
 TEST(Battery, a_limit_is_for_good) {
-    Battery battery(BatteryParameters{});
+    Battery battery(iris().battery);
     battery.limit(0.3);
     battery.limit(0.9);
     EXPECT_EQ(battery.remaining(), 0.3);
 }
 
 TEST(Variation, stays_within_its_limits_and_reaches_for_them) {
-    const QuadParameters usual;
+    const Airframe usual = iris().airframe;
     double most_mass = 0.0;
     double least_delay = 1e9;
     for (std::uint64_t seed = 0; seed < 500; ++seed) {
-        const Vehicle vehicle = vary(Variation{}, seed);
-        const double mass = vehicle.quad.mass / usual.mass - 1.0;
+        const Vehicle vehicle = vary(iris(), Variation{}, seed);
+        const double mass = vehicle.airframe.mass / usual.mass - 1.0;
         EXPECT_LE(std::abs(mass), 0.15);
         most_mass = std::max(most_mass, mass);
         for (int axis = 0; axis < 3; ++axis) {
-            EXPECT_NEAR(vehicle.quad.inertia_B[axis] / usual.inertia_B[axis], 1.0, 0.2);
+            Vector3 turn = Vector3::Zero();
+            turn[axis] = 1.0;
+            const Vector3 moment = vehicle.airframe.inertia.times(turn);
+            EXPECT_NEAR(moment[axis] / usual.inertia.times(turn)[axis], 1.0, 0.2);
         }
-        EXPECT_NEAR(vehicle.quad.thrust_per_speed2 / usual.thrust_per_speed2, 1.0, 0.1);
-        EXPECT_NEAR(vehicle.quad.rotors[0].x, usual.rotors[0].x, 0.01);
+        EXPECT_NEAR(vehicle.airframe.thrust_per_speed2 / usual.thrust_per_speed2, 1.0, 0.1);
+        EXPECT_NEAR(vehicle.airframe.rotors[0].place_B.x(), usual.rotors[0].place_B.x(), 0.01);
         // Arms and feet move together, and keep their distances.
-        EXPECT_NEAR(vehicle.quad.rotors[0].y - vehicle.quad.rotors[1].y, 0.42, 1e-12);
-        EXPECT_NEAR(vehicle.quad.ground.points_B[0].x() - vehicle.quad.rotors[0].x, 0.0, 1e-12);
+        EXPECT_NEAR(vehicle.airframe.rotors[0].place_B.y() - vehicle.airframe.rotors[1].place_B.y(),
+                    0.42, 1e-12);
+        EXPECT_NEAR(
+            vehicle.airframe.ground.points_B[0].x() - vehicle.airframe.rotors[0].place_B.x(), 0.0,
+            1e-12);
         EXPECT_LE(vehicle.command_delay_us, 6000U);
         least_delay = std::min(least_delay, static_cast<double>(vehicle.command_delay_us));
     }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "hand_over.hpp"
+#include "iris.hpp"
 #include "sensors.hpp"
 #include "stator/virtual.hpp"
 #include "tasks.hpp"
@@ -13,7 +14,7 @@ namespace board {
 
 namespace {
 
-world::World the_world{world::Conditions{}};
+world::World the_world{world::Conditions{}, world::iris()};
 Sensors sensors(the_world);
 
 // As sitl does.

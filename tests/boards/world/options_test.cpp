@@ -90,9 +90,9 @@ TEST(Options, varies_the_vehicle_if_asked) {
 TEST(Options, a_fault_has_a_value_and_lasts) {
     Options options;
     EXPECT_EQ(refusal({"--fail", "motor_3=0.25@1"}, options), "");
-    EXPECT_EQ(options.conditions.faults.now(FaultKind::kMotor3, 1000000), 0.25);
-    EXPECT_EQ(options.conditions.faults.now(FaultKind::kMotor2, 1000000), std::nullopt);
-    EXPECT_TRUE(options.conditions.faults.now(FaultKind::kMotor3, 100000000));
+    EXPECT_EQ(options.conditions.faults.now("motor_3", FaultKind::kPartial, 1000000), 0.25);
+    EXPECT_EQ(options.conditions.faults.now("motor_2", FaultKind::kPartial, 1000000), std::nullopt);
+    EXPECT_TRUE(options.conditions.faults.now("motor_3", FaultKind::kPartial, 100000000));
 }
 
 TEST(Options, refuses_what_cannot_fail) {
@@ -144,7 +144,7 @@ TEST(Options, refuses_what_it_does_not_know) {
               "--duration SECONDS, --times zero|random, --budgets TASK=US,..., "
               "--vary no|yes, --wind M_S, "
               "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
-              "--pilot FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], "
+              "--pilot FILE, --vehicle FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], "
               "--speed FACTOR, --mavlink PLACE, --hil PLACE\n");
 }
 

@@ -6,21 +6,23 @@
 #include <cmath>
 #include <limits>
 
+#include "iris.hpp"
+
 namespace stator::world {
 namespace {
 
 constexpr float kStopped = std::numeric_limits<float>::quiet_NaN();
 constexpr double kGravity = 9.80665;
 
-QuadParameters without_drag() {
-    QuadParameters parameters;
+Airframe without_drag() {
+    Airframe parameters = iris().airframe;
     parameters.rotor_drag = 0.0;
     parameters.drag_area_B.setZero();
     return parameters;
 }
 
-QuadState in_the_air() {
-    QuadState state;
+VehicleState in_the_air() {
+    VehicleState state;
     state.position_N = Vector3(1.0, 2.0, -1000.0);
     return state;
 }
@@ -46,15 +48,15 @@ TEST(Plant, falls_freely) {
 }
 
 TEST(Plant, keeps_energy_and_angular_momentum_without_torque) {
-    QuadParameters parameters = without_drag();
-    parameters.inertia_B = Vector3(0.02, 0.03, 0.055);  // tumbles about the middle axis
-    QuadState state = in_the_air();
+    Airframe parameters = without_drag();
+    parameters.inertia = {.xx = 0.02, .yy = 0.03, .zz = 0.055};  // tumbles about the middle axis
+    VehicleState state = in_the_air();
     state.rate_B = Vector3(0.1, 7.0, 0.2);
-    const auto energy = [&](const QuadState& at) {
-        return 0.5 * at.rate_B.dot(parameters.inertia_B.cwiseProduct(at.rate_B));
+    const auto energy = [&](const VehicleState& at) {
+        return 0.5 * at.rate_B.dot(parameters.inertia.times(at.rate_B));
     };
-    const auto momentum_N = [&](const QuadState& at) {
-        return Vector3(at.q_NB * Vector3(parameters.inertia_B.cwiseProduct(at.rate_B)));
+    const auto momentum_N = [&](const VehicleState& at) {
+        return Vector3(at.q_NB * parameters.inertia.times(at.rate_B));
     };
     Plant plant(parameters, state);
     run(plant, 10.0);
@@ -66,7 +68,7 @@ TEST(Plant, keeps_energy_and_angular_momentum_without_torque) {
 }
 
 TEST(Plant, nutates_as_a_symmetric_top) {
-    QuadState state = in_the_air();
+    VehicleState state = in_the_air();
     state.rate_B = Vector3(2.0, 0.0, 5.0);
     Plant plant(without_drag(), state);
     run(plant, 3.0);
@@ -78,9 +80,9 @@ TEST(Plant, nutates_as_a_symmetric_top) {
 }
 
 TEST(Plant, hovers_at_the_speed_that_carries_its_weight) {
-    QuadState state = in_the_air();
+    VehicleState state = in_the_air();
     state.rotor_speeds.setConstant(kHoverSpeed);
-    Plant plant(QuadParameters{}, state);
+    Plant plant(iris().airframe, state);
     plant.command({hover_control(), hover_control(), hover_control(), hover_control()});
     run(plant, 1.0);
     // As published for this vehicle: 803 rad/s.
@@ -94,9 +96,9 @@ TEST(Plant, hovers_at_the_speed_that_carries_its_weight) {
 }
 
 TEST(Plant, reaches_terminal_velocity) {
-    QuadState state = in_the_air();
+    VehicleState state = in_the_air();
     state.position_N.z() = -5000.0;
-    Plant plant(QuadParameters{}, state);
+    Plant plant(iris().airframe, state);
     // m v' = m g - 1/2 rho A v^2 from rest: v = u tanh(g t / u), u = sqrt(2 m g / (rho A)).
     const double terminal = std::sqrt(2.0 * 1.535 * kGravity / (1.225 * 0.05));
     run(plant, 2.0);
@@ -107,9 +109,9 @@ TEST(Plant, reaches_terminal_velocity) {
 }
 
 TEST(Plant, rotors_brake_sideways_motion) {
-    QuadParameters parameters = without_drag();
+    Airframe parameters = without_drag();
     parameters.rotor_drag = 1.75e-4;
-    QuadState state = in_the_air();
+    VehicleState state = in_the_air();
     state.velocity_N = Vector3(3.0, -2.0, 0.0);
     state.rotor_speeds.setConstant(kHoverSpeed);
     Plant plant(parameters, state);
@@ -122,9 +124,9 @@ TEST(Plant, rotors_brake_sideways_motion) {
 }
 
 TEST(Plant, rotors_brake_yaw) {
-    QuadParameters parameters = without_drag();
+    Airframe parameters = without_drag();
     parameters.rotor_drag = 1.75e-4;
-    QuadState state = in_the_air();
+    VehicleState state = in_the_air();
     state.rate_B.z() = 2.0;
     state.rotor_speeds.setConstant(kHoverSpeed);
     Plant plant(parameters, state);
@@ -137,7 +139,7 @@ TEST(Plant, rotors_brake_yaw) {
 }
 
 TEST(Plant, climbing_takes_thrust_from_the_rotors) {
-    QuadState state = in_the_air();
+    VehicleState state = in_the_air();
     state.velocity_N.z() = -3.0;
     state.rotor_speeds.setConstant(kHoverSpeed);
     Plant plant(without_drag(), state);
@@ -150,12 +152,11 @@ TEST(Plant, climbing_takes_thrust_from_the_rotors) {
 
 // Without drag, so that nothing but the wind at the rotors acts.
 TEST(Plant, wind_turns_a_rotor_over) {
-    QuadParameters parameters = without_drag();
+    Airframe parameters = without_drag();
     parameters.inflow_pitch = 1e9;
-    QuadState state = in_the_air();
-    state.rotor_speeds << 800.0, 0.0, 0.0, 0.0;
-    parameters.rotors[0].x = 0.0;
-    parameters.rotors[0].y = 0.0;
+    VehicleState state = in_the_air();
+    state.rotor_speeds[0] = 800.0;
+    parameters.rotors[0].place_B = Vector3::Zero();
     parameters.fall_time_constant = 1e9;
     Plant plant(parameters, state);
     plant.set_influence({.wind_N = Vector3(-10.0, 0.0, 0.0)});
@@ -165,10 +166,10 @@ TEST(Plant, wind_turns_a_rotor_over) {
 }
 
 TEST(Plant, is_carried_along_by_the_wind) {
-    QuadState state = in_the_air();
+    VehicleState state = in_the_air();
     state.velocity_N = Vector3(4.0, -3.0, 0.0);
     state.rotor_speeds.setConstant(kHoverSpeed);
-    Plant plant(QuadParameters{}, state);
+    Plant plant(iris().airframe, state);
     plant.set_influence({.wind_N = Vector3(4.0, -3.0, 0.0)});
     plant.command({hover_control(), hover_control(), hover_control(), hover_control()});
     run(plant, 2.0);
@@ -177,29 +178,29 @@ TEST(Plant, is_carried_along_by_the_wind) {
 }
 
 TEST(Plant, low_voltage_turns_rotors_slower_and_a_broken_one_lifts_less) {
-    Plant plant(QuadParameters{}, in_the_air());
+    Plant plant(iris().airframe, in_the_air());
     plant.set_influence({.supply = 0.9});
     plant.command({1.0F, 1.0F, 1.0F, 1.0F});
     run(plant, 1.0);
     EXPECT_NEAR(plant.state().rotor_speeds[3], 0.9 * 1100.0, 1e-6);
-    QuadState state = in_the_air();
+    VehicleState state = in_the_air();
     state.rotor_speeds.setConstant(kHoverSpeed);
     Plant broken(without_drag(), state);
-    broken.set_influence({.efficiency = {0.5, 0.5, 0.5, 0.5}});
+    broken.set_influence({.efficiency = RotorSpeeds::Constant(0.5)});
     EXPECT_NEAR(broken.specific_force_B().z(), -0.5 * kGravity, 1e-4);
 }
 
 TEST(Plant, draws_the_power_of_momentum_theory) {
-    QuadState state = in_the_air();
+    VehicleState state = in_the_air();
     state.rotor_speeds.setConstant(kHoverSpeed);
-    const Plant plant(QuadParameters{}, state);
+    const Plant plant(iris().airframe, state);
     // T^1.5 / sqrt(2 rho A), twice, for 3.7634 N on 0.0507 m^2, four times, and 5 W: by calculator.
     EXPECT_NEAR(plant.electric_power(), 170.7, 0.1);
     EXPECT_NEAR(plant.lift_over_weight(), 1.0, 1e-5);
 }
 
 TEST(Plant, motors_lag_by_their_time_constants) {
-    Plant plant(QuadParameters{}, in_the_air());
+    Plant plant(iris().airframe, in_the_air());
     plant.command({1.0F, 0.25F, 0.0F, kStopped});
     run(plant, 0.0125, 0.5e-3);
     const double risen = 1.0 - std::exp(-1.0);
@@ -213,7 +214,7 @@ TEST(Plant, motors_lag_by_their_time_constants) {
 }
 
 TEST(Plant, commands_beyond_the_most_thrust_are_clamped) {
-    Plant plant(QuadParameters{}, in_the_air());
+    Plant plant(iris().airframe, in_the_air());
     plant.command({7.0F, -1.0F, std::numeric_limits<float>::infinity(), 1.0F});
     run(plant, 1.0);
     EXPECT_NEAR(plant.state().rotor_speeds[0], 1100.0, 1e-6);
@@ -222,8 +223,8 @@ TEST(Plant, commands_beyond_the_most_thrust_are_clamped) {
 }
 
 // Rotors 0 to 3: front right, rear left, front left, rear right; 0 and 1 counter-clockwise.
-Vector3 rate_after(const std::array<float, kRotors>& control) {
-    Plant plant(QuadParameters{}, in_the_air());
+Vector3 rate_after(const Controls& control) {
+    Plant plant(iris().airframe, in_the_air());
     plant.command(control);
     run(plant, 0.02);
     return plant.state().rate_B;
@@ -234,9 +235,9 @@ TEST(Plant, turns_the_way_each_rotor_pushes) {
     EXPECT_GT(rate_after({0.5F, 0.0F, 0.5F, 0.0F}).y(), 0.1) << "front up: pitches up";
     EXPECT_GT(rate_after({0.5F, 0.5F, 0.0F, 0.0F}).z(), 0.01) << "counter-clockwise: yaws right";
     // 2 k_T speed^2 k_M / Izz, one time constant of 1 ms after a full step.
-    QuadState state = in_the_air();
-    state.rotor_speeds << 800.0, 800.0, 0.0, 0.0;
-    QuadParameters parameters = without_drag();
+    VehicleState state = in_the_air();
+    state.rotor_speeds.head<2>().setConstant(800.0);
+    Airframe parameters = without_drag();
     parameters.fall_time_constant = 1e9;
     Plant plant(parameters, state);
     run(plant, 0.001);
@@ -246,18 +247,18 @@ TEST(Plant, turns_the_way_each_rotor_pushes) {
 
 TEST(Plant, error_falls_with_the_fourth_power_of_the_step) {
     const auto end = [](double dt) {
-        QuadState state = in_the_air();
+        VehicleState state = in_the_air();
         state.velocity_N = Vector3(5.0, 3.0, -2.0);
         state.rate_B = Vector3(2.0, -3.0, 4.0);
-        state.rotor_speeds << 700.0, 750.0, 800.0, 850.0;
-        Plant plant(QuadParameters{}, state);
+        state.rotor_speeds.head<4>() << 700.0, 750.0, 800.0, 850.0;
+        Plant plant(iris().airframe, state);
         plant.command({0.9F, 0.92F, 0.94F, 0.96F});  // all speed up: no change of time constant
         run(plant, 0.32, dt);
         return plant.state();
     };
-    const QuadState exact = end(0.25e-3);
+    const VehicleState exact = end(0.25e-3);
     const auto error = [&](double dt) {
-        const QuadState state = end(dt);
+        const VehicleState state = end(dt);
         return (state.position_N - exact.position_N).norm() +
                (state.q_NB.coeffs() - exact.q_NB.coeffs()).norm();
     };
@@ -266,7 +267,7 @@ TEST(Plant, error_falls_with_the_fourth_power_of_the_step) {
 }
 
 TEST(Ground, carries_a_vehicle_at_rest_without_drift) {
-    Plant plant(QuadParameters{}, QuadState{});
+    Plant plant(iris().airframe, VehicleState{});
     run(plant, 30.0);
     EXPECT_TRUE(plant.is_on_ground());
     EXPECT_NEAR(plant.state().position_N.norm(), 0.0, 1e-9);
@@ -275,10 +276,10 @@ TEST(Ground, carries_a_vehicle_at_rest_without_drift) {
 }
 
 TEST(Ground, stops_a_tilted_drop_upright) {
-    QuadState state;
+    VehicleState state;
     state.position_N.z() = -0.3;
     state.q_NB = math::from_euler(math::EulerAngles<double>{0.2, -0.1, 1.0});
-    Plant plant(QuadParameters{}, state);
+    Plant plant(iris().airframe, state);
     EXPECT_FALSE(plant.is_on_ground());
     run(plant, 4.0);
     EXPECT_TRUE(plant.is_on_ground());
@@ -289,9 +290,9 @@ TEST(Ground, stops_a_tilted_drop_upright) {
 }
 
 TEST(Ground, stops_a_slide_by_friction) {
-    QuadState state;
+    VehicleState state;
     state.velocity_N.x() = 1.0;
-    Plant plant(QuadParameters{}, state);
+    Plant plant(iris().airframe, state);
     run(plant, 2.0);
     // Coulomb: v^2 / (2 mu g). The springs of the feet blur it.
     EXPECT_NEAR(plant.state().position_N.x(), 1.0 / (2.0 * 0.7 * kGravity), 0.01);
@@ -301,7 +302,7 @@ TEST(Ground, stops_a_slide_by_friction) {
 }
 
 TEST(Ground, holds_against_a_torque_that_friction_can_bear) {
-    Plant plant(QuadParameters{}, QuadState{});
+    Plant plant(iris().airframe, VehicleState{});
     plant.command({0.4F, 0.4F, 0.0F, 0.0F});  // 0.34 N m of yaw; friction bears about 1.6
     run(plant, 2.0);
     const double yaw = math::heading(plant.state().q_NB);
@@ -310,10 +311,10 @@ TEST(Ground, holds_against_a_torque_that_friction_can_bear) {
 }
 
 TEST(Ground, carries_a_vehicle_on_its_back) {
-    QuadState state;
+    VehicleState state;
     state.position_N.z() = -0.2;
     state.q_NB = Quaternion(0.0, 1.0, 0.0, 0.0);
-    Plant plant(QuadParameters{}, state);
+    Plant plant(iris().airframe, state);
     run(plant, 4.0);
     // Its hubs are 0.05 m above its centre, so they lie about 0.05 m above where feet stood.
     EXPECT_NEAR(plant.state().position_N.z(), 0.1 - 0.05, 0.01);
@@ -321,7 +322,7 @@ TEST(Ground, carries_a_vehicle_on_its_back) {
 }
 
 TEST(Ground, lets_go) {
-    Plant plant(QuadParameters{}, QuadState{});
+    Plant plant(iris().airframe, VehicleState{});
     plant.command({0.7F, 0.7F, 0.7F, 0.7F});
     run(plant, 1.0);
     EXPECT_FALSE(plant.is_on_ground());

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "iris.hpp"
+
 namespace stator::world {
 namespace {
 
@@ -35,7 +37,7 @@ struct Recording {
 };
 
 Recording record(const ImuParameters& parameters, const Plant& plant, std::uint64_t seed) {
-    Imu imu(parameters, seed);
+    Imu imu(parameters, 4, seed);
     Recording result;
     for (unsigned i = 0; i < kSamples; ++i) {
         const ImuSample sample = imu.measure(plant);
@@ -46,14 +48,14 @@ Recording record(const ImuParameters& parameters, const Plant& plant, std::uint6
 }
 
 Plant at_rest() {
-    return {QuadParameters{}, QuadState{}};
+    return {iris().airframe, VehicleState{}};
 }
 
 Plant hovering() {
-    QuadState state;
+    VehicleState state;
     state.position_N.z() = -10.0;
     state.rotor_speeds.setConstant(802.746);
-    return {QuadParameters{}, state};
+    return {iris().airframe, state};
 }
 
 TEST(Imu, noise_at_rest_is_that_of_the_data_sheet) {
@@ -87,7 +89,7 @@ double allan_variance(const std::vector<double>& series, std::size_t length) {
 }
 
 TEST(Imu, angle_random_walk_is_that_of_the_noise_density) {
-    Imu imu(ImuParameters{}, 1);
+    Imu imu(ImuParameters{}, 4, 1);
     const Plant plant = at_rest();
     std::vector<double> gyro;
     std::vector<double> accel;
@@ -122,7 +124,7 @@ TEST(Imu, bias_wanders_as_a_gauss_markov_process) {
     parameters.gyro_instability = 5.6e-5;
     parameters.period_us = 100000;  // no faster than it wanders
     parameters.drift_samples = 1;
-    Imu imu(parameters, 1);
+    Imu imu(parameters, 4, 1);
     const Plant plant = at_rest();
     std::array<std::vector<double>, 3> gyro;  // 20,000 s
     for (int i = 0; i < 200000; ++i) {
@@ -152,7 +154,7 @@ TEST(Imu, warms_and_drifts) {
     const Plant plant = at_rest();
     std::vector<Vector3f> gyro;
     for (std::uint64_t seed = 0; seed < 400; ++seed) {
-        Imu imu(parameters, seed);
+        Imu imu(parameters, 4, seed);
         EXPECT_EQ(imu.measure(plant).gyro_B, Vector3f::Zero());
         for (int i = 0; i < 999; ++i) imu.measure(plant);
         gyro.push_back(imu.measure(plant).gyro_B);
@@ -171,7 +173,7 @@ TEST(Imu, bias_differs_from_seed_to_seed_by_its_deviation) {
     silent.accel_noise = 0.0F;
     const Plant plant = at_rest();
     for (std::uint64_t seed = 0; seed < 400; ++seed) {
-        const ImuSample sample = Imu(silent, seed).measure(plant);
+        const ImuSample sample = Imu(silent, 4, seed).measure(plant);
         gyro.push_back(sample.gyro_B);
         accel.push_back(sample.accel_B);
     }
@@ -212,19 +214,19 @@ TEST(Imu, vibration_has_a_line_at_the_rotors_frequency) {
 }
 
 TEST(Imu, saturates_at_its_range) {
-    QuadState state;
+    VehicleState state;
     state.position_N.z() = -10.0;
     state.rate_B = Vector3(100.0, -100.0, 0.0);
-    const ImuSample sample = Imu(ImuParameters{}, 1).measure(Plant(QuadParameters{}, state));
+    const ImuSample sample = Imu(ImuParameters{}, 4, 1).measure(Plant(iris().airframe, state));
     EXPECT_NEAR(sample.gyro_B.x(), 2000.0 * M_PI / 180.0, 0.05);
     EXPECT_NEAR(sample.gyro_B.y(), -2000.0 * M_PI / 180.0, 0.05);
 }
 
 TEST(Mocap, sees_position_and_heading_to_the_millimetre) {
-    QuadState state;
+    VehicleState state;
     state.position_N = Vector3(1.0, -2.0, -3.0);
     state.q_NB = math::from_euler(math::EulerAngles<double>{0.3, -0.2, 2.0});
-    const Plant plant(QuadParameters{}, state);
+    const Plant plant(iris().airframe, state);
     Mocap mocap(MocapParameters{}, 1);
     std::vector<Vector3f> positions;
     std::vector<Vector3f> yaws;
@@ -241,9 +243,9 @@ TEST(Mocap, sees_position_and_heading_to_the_millimetre) {
 }
 
 TEST(Mocap, heading_stays_within_half_a_turn) {
-    QuadState state;
+    VehicleState state;
     state.q_NB = math::from_euler(math::EulerAngles<double>{0.0, 0.0, M_PI});
-    const Plant plant(QuadParameters{}, state);
+    const Plant plant(iris().airframe, state);
     Mocap mocap(MocapParameters{}, 1);
     bool east_of_south = false;
     bool west_of_south = false;

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "iris.hpp"
+
 namespace stator::world {
 namespace {
 
@@ -80,7 +82,7 @@ class SpoilerTest : public ::testing::Test {
     void start(std::initializer_list<const char*> faults) {
         Conditions conditions;
         for (const char* text : faults) ASSERT_TRUE(conditions.faults.add(read(text)));
-        world_.emplace(conditions);
+        world_.emplace(conditions, iris());
         spoiler_.emplace(*world_, "mag0");
     }
     // The samples that come until then: when, and when they were measured.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "drivers/mag/sim/mag_sim_world.hpp"
 #include "drivers/mocap/sim/mocap_sim_world.hpp"
 #include "drivers/radio/sim/radio_sim_world.hpp"
+#include "iris.hpp"
 #include "world/truth.hpp"
 
 namespace stator::world {
@@ -33,11 +35,13 @@ using drivers::mocap::sim::MocapSimWorld;
 using drivers::radio::sim::RadioSimWorld;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr std::array<float, kRotors> kStopped{kNan, kNan, kNan, kNan};
-
-std::array<float, kRotors> all(float control) {
-    return {control, control, control, control};
+Controls all(float control) {
+    Controls controls;
+    controls.fill(control);
+    return controls;
 }
+
+const Controls kStopped = all(kNan);
 
 void run_until(World& world, std::uint64_t time_us) {
     while (world.next_event_us() <= time_us) world.move_to_next_event();
@@ -54,14 +58,14 @@ void watch(World& world, Part part, std::uint64_t seconds, const See& see) {
 
 template <class Part>
 unsigned samples_of_a_second() {
-    World world{Conditions{}};
+    World world{Conditions{}, iris()};
     unsigned count = 0;
     watch(world, Part(world), 1, [&](const auto&) { ++count; });
     return count;
 }
 
 TEST(World, imu_samples_at_time_zero_and_each_millisecond) {
-    World world{Conditions{}};
+    World world{Conditions{}, iris()};
     ImuSimWorld imu(world);
     EXPECT_EQ(world.next_event_us(), 0U);
     for (std::uint64_t time_us = 0; time_us <= 20000; time_us += 1000) {
@@ -90,7 +94,7 @@ std::vector<std::pair<std::uint64_t, GnssSimSample>> fixes(World& world, std::ui
 }
 
 TEST(World, fixes_arrive_about_110_ms_late_and_some_never) {
-    World world{Conditions{}};
+    World world{Conditions{}, iris()};
     const auto all_fixes = fixes(world, 200);
     double sum_us = 0.0;
     for (const auto& [arrival_us, fix] : all_fixes) {
@@ -111,7 +115,7 @@ TEST(World, faults_come_and_go) {
     ASSERT_TRUE(conditions.faults.add({FaultKind::kRcLoss, 0.0, 1000000, 3000000}));
     ASSERT_TRUE(conditions.faults.add({FaultKind::kBatteryLow, 0.1, 2000000, 2000001}));
     ASSERT_TRUE(conditions.faults.add({FaultKind::kBaroLoss, 0.0, 1000000, 2000000}));
-    World world(conditions);
+    World world{conditions, iris()};
     GnssSimWorld gnss(world);
     RadioSimWorld radio(world);
     BaroSimWorld baro(world);
@@ -137,9 +141,9 @@ TEST(World, faults_come_and_go) {
 
 TEST(World, a_glitch_pulls_the_fix_away_level) {
     Conditions conditions;
-    World well(conditions);
+    World well{conditions, iris()};
     ASSERT_TRUE(conditions.faults.add({FaultKind::kGnssGlitch, 25.0, 0, 1000000}));
-    World pulled(conditions);
+    World pulled{conditions, iris()};
     const GnssSimSample a = fixes(well, 1).front().second;
     const GnssSimSample b = fixes(pulled, 1).front().second;
     // 111.2 km are a degree of latitude here, 75.5 km one of longitude (WGS 84, to 0.1 %).
@@ -151,8 +155,8 @@ TEST(World, a_glitch_pulls_the_fix_away_level) {
 
 TEST(World, a_broken_propeller_thrusts_less) {
     Conditions conditions;
-    ASSERT_TRUE(conditions.faults.add({FaultKind::kMotor1, 0.5, 0, 1000000}));
-    World world(conditions);
+    ASSERT_TRUE(conditions.faults.add({FaultKind::kPartial, 0.5, 0, 1000000, {"motor_1"}}));
+    World world{conditions, iris()};
     world.move_to_next_event();
     world.command_motors(0, all(0.9F));
     run_until(world, 300000);
@@ -162,7 +166,7 @@ TEST(World, a_broken_propeller_thrusts_less) {
 }
 
 TEST(World, motion_capture_arrives_late_with_the_time_of_its_picture) {
-    World world{Conditions{}};
+    World world{Conditions{}, iris()};
     MocapSimWorld mocap(world);
     std::vector<std::pair<std::uint64_t, std::uint64_t>> arrivals;
     while (world.next_event_us() <= 30000) {
@@ -175,7 +179,7 @@ TEST(World, motion_capture_arrives_late_with_the_time_of_its_picture) {
 }
 
 TEST(World, motion_capture_shows_where_the_vehicle_was_at_the_picture) {
-    World world{Conditions{}};
+    World world{Conditions{}, iris()};
     MocapSimWorld mocap(world);
     world.move_to_next_event();
     world.command_motors(0, all(1.0F));
@@ -184,7 +188,7 @@ TEST(World, motion_capture_shows_where_the_vehicle_was_at_the_picture) {
         static_cast<void>(mocap.measure(world));
     }
     const double z_then = [&] {
-        World same{Conditions{}};
+        World same{Conditions{}, iris()};
         same.move_to_next_event();
         same.command_motors(0, all(1.0F));
         run_until(same, 500000);
@@ -198,7 +202,7 @@ TEST(World, motion_capture_shows_where_the_vehicle_was_at_the_picture) {
 }
 
 TEST(World, command_acts_from_its_instant_on) {
-    World world{Conditions{}};
+    World world{Conditions{}, iris()};
     world.move_to_next_event();
     world.command_motors(300, all(1.0F));
     world.move_to_next_event();
@@ -209,7 +213,7 @@ TEST(World, command_acts_from_its_instant_on) {
 
 TEST(World, flight_is_a_function_of_its_seed) {
     const auto end = [](std::uint64_t seed) {
-        World world(Conditions{.seed = seed});
+        World world(Conditions{.seed = seed}, iris());
         ImuSimWorld imu(world);
         MagSimWorld mag(world);
         world.move_to_next_event();
@@ -228,7 +232,7 @@ TEST(World, flight_is_a_function_of_its_seed) {
 }
 
 TEST(World, sees_a_whole_flight) {
-    World world{Conditions{}};
+    World world{Conditions{}, iris()};
     world.move_to_next_event();
     world.command_motors(0, all(0.7F));
     run_until(world, 1000000);
@@ -252,7 +256,7 @@ TEST(World, sees_a_whole_flight) {
 }
 
 TEST(World, standing_with_stopped_motors_is_not_the_end_of_a_flight) {
-    World world{Conditions{}};
+    World world{Conditions{}, iris()};
     world.move_to_next_event();
     world.command_motors(0, kStopped);
     run_until(world, 3000000);
@@ -262,19 +266,19 @@ TEST(World, standing_with_stopped_motors_is_not_the_end_of_a_flight) {
 
 TEST(World, a_varied_vehicle_hears_its_commands_late) {
     const auto first_turn_us = [](std::uint64_t seed) {
-        World world(Conditions{.seed = seed, .vary = true});
+        World world(Conditions{.seed = seed, .vary = true}, iris());
         world.move_to_next_event();
         world.command_motors(0, all(1.0F));
         while (world.plant().state().rotor_speeds[0] == 0.0) world.move_to_next_event();
         return world.plant().time_us();
     };
-    const std::uint64_t delay_us = vary(Variation{}, 3).command_delay_us;
+    const std::uint64_t delay_us = vary(iris(), Variation{}, 3).command_delay_us;
     EXPECT_GT(delay_us, 1000U);  // else this seed tells nothing
     EXPECT_EQ(first_turn_us(3), delay_us / 1000 * 1000 + 1000);
 }
 
 TEST(World, wind_acts_on_the_plant) {
-    World world(Conditions{.wind = {.speed = 5.0, .from = 0.0}});
+    World world(Conditions{.wind = {.speed = 5.0, .from = 0.0}}, iris());
     world.move_to_next_event();
     EXPECT_NEAR((world.influence().wind_N - Vector3(-5.0, 0.0, 0.0)).norm(), 0.0, 1e-12);
     // Parts that measure at this event saw none of it yet.
@@ -284,10 +288,10 @@ TEST(World, wind_acts_on_the_plant) {
 }
 
 TEST(Truth, names_its_columns_and_holds_the_state) {
-    World world(Conditions{.wind = {.speed = 5.0, .from = 0.0}});
+    World world(Conditions{.wind = {.speed = 5.0, .from = 0.0}}, iris());
     run_until(world, 3000);
     std::FILE* const file = std::tmpfile();
-    ASSERT_TRUE(write_truth_head(file));
+    ASSERT_TRUE(write_truth_head(file, world));
     const long head = std::ftell(file);
     EXPECT_EQ(head % 8, 0);
     ASSERT_TRUE(write_truth(file, world));
@@ -296,13 +300,17 @@ TEST(Truth, names_its_columns_and_holds_the_state) {
     EXPECT_EQ(std::fread(line.data(), 1, line.size(), file), line.size());
     EXPECT_EQ(line.substr(0, 42), "time_us position_n position_e position_d v");
     EXPECT_EQ(line.back(), '\n');
-    std::array<double, kTruthColumns.size() + 1> row{};
-    EXPECT_EQ(std::fread(row.data(), sizeof(double), row.size(), file), kTruthColumns.size());
+    std::vector<std::string> names;
+    std::istringstream words(line);
+    for (std::string name; words >> name;) names.push_back(name);
+    EXPECT_EQ(names.size(), 25U);
+    std::vector<double> row(names.size() + 1);
+    EXPECT_EQ(std::fread(row.data(), sizeof(double), row.size(), file), names.size());
     const auto column = [&](const std::string& name) {
-        const auto* const found = std::find(kTruthColumns.begin(), kTruthColumns.end(), name);
-        return row[static_cast<std::size_t>(found - kTruthColumns.begin())];
+        const auto found = std::find(names.begin(), names.end(), name);
+        return row[static_cast<std::size_t>(found - names.begin())];
     };
-    const QuadState& state = world.plant().state();
+    const VehicleState& state = world.plant().state();
     EXPECT_EQ(column("time_us"), 3000.0);
     EXPECT_EQ(column("position_e"), state.position_N.y());
     EXPECT_EQ(column("velocity_d"), state.velocity_N.z());

@@ -32,6 +32,7 @@ FILES = {
     "chip": [path for path in ROOT.glob("boards/*/*.yaml") if path.name != "board.yaml"],
     "failsafe": [*ROOT.glob("apps/*/failsafe.yaml")],
     "mission": [*ROOT.glob("graph/missions/*.yaml")],
+    "vehicle": [*ROOT.glob("graph/vehicles/*.yaml")],
     "budgets": [*ROOT.glob("graph/budgets/*.yaml"), *ROOT.glob("graph/examples/budgets/*.yaml")],
 }
 
