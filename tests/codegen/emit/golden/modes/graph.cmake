@@ -36,4 +36,5 @@ set(graph_inputs
     [==[@ROOT@/graph/examples/messages/Count.yaml]==]
     [==[@ROOT@/graph/examples/modes.yaml]==]
     [==[@ROOT@/graph/messages/Mode.yaml]==]
+    [==[@ROOT@/graph/vehicles/iris.yaml]==]
 )

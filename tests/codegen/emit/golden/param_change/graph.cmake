@@ -44,4 +44,5 @@ set(graph_inputs
     [==[@ROOT@/graph/messages/RecordKept.yaml]==]
     [==[@ROOT@/graph/messages/StoredRecord.yaml]==]
     [==[@ROOT@/graph/messages/VehicleStatus.yaml]==]
+    [==[@ROOT@/graph/vehicles/iris.yaml]==]
 )

@@ -27,4 +27,5 @@ set(graph_inputs
     [==[@ROOT@/graph/examples/budgets/desk.yaml]==]
     [==[@ROOT@/graph/examples/messages/Count.yaml]==]
     [==[@ROOT@/graph/examples/timer.yaml]==]
+    [==[@ROOT@/graph/vehicles/iris.yaml]==]
 )

@@ -31,4 +31,5 @@ set(graph_inputs
     [==[@ROOT@/graph/examples/budgets/desk.yaml]==]
     [==[@ROOT@/graph/examples/messages/Count.yaml]==]
     [==[@ROOT@/graph/examples/topic.yaml]==]
+    [==[@ROOT@/graph/vehicles/iris.yaml]==]
 )
