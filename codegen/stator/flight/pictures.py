@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     from pyulog import ULog
 
-ROTORS = 4
 DISARMED_MODE = -1
 Mode: TypeAlias = tuple[float, float, str]  # from, to, name
 
@@ -80,7 +79,7 @@ def read(file: Path) -> Flown:
         position=_series(log, "vehicle_local_position", ["x", "y", "z"]),
         setpoint=_series(log, "trajectory_setpoint", indexed("position", 3)),
         attitude=_series(log, "vehicle_attitude", indexed("q", 4)),
-        motors=_series(log, "actuator_motors", indexed("control", ROTORS)),
+        motors=_series(log, "actuator_motors", indexed("control", _rotors(log))),
         modes=list(modes_of_log(log)),
         facts=report_beside(file),
     )
@@ -109,6 +108,11 @@ def report_beside(file: Path) -> dict[str, Any]:
         return {}
     facts: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
     return facts
+
+
+def _rotors(log: ULog) -> int:
+    """How many motors the vehicle has: its log says it as a parameter."""
+    return int(log.initial_parameters.get("allocation.rotor_count", 4))
 
 
 def _series(log: ULog, name: str, names: list[str]) -> Series | None:

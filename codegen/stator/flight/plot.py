@@ -200,8 +200,14 @@ def _motors(axes: Axes, flown: Flown) -> None:
     if flown.motors is None:
         return
     for rotor, command in enumerate(flown.motors.values.T):
+        turn, line = divmod(rotor, len(LINES))
         axes.plot(
-            flown.motors.time_s, 100.0 * command, color=LINES[rotor], lw=0.8, label=str(rotor + 1)
+            flown.motors.time_s,
+            100.0 * command,
+            color=LINES[line],
+            ls=("-", "--", ":")[turn],
+            lw=0.8,
+            label=str(rotor + 1),
         )
     axes.set_ylim(0.0, 100.0)
 
