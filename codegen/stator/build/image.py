@@ -33,7 +33,7 @@ def build_image(graph: Path, board: str | None, variant: Mapping[str, str] | Non
     return image
 
 
-def image_files(plan: Plan, image: Path) -> dict[str, Path]:
+def image_files(plan: Plan, image: Path, *, is_proven: bool = True) -> dict[str, Path]:
     """The image in all file formats; .px4, for ground stations, only if the board has an id."""
     files = {
         "elf": image,
@@ -42,7 +42,9 @@ def image_files(plan: Plan, image: Path) -> dict[str, Path]:
     }
     if plan.board.upload is not None:
         files["px4"] = image.with_name(f"{plan.graph.name}.px4")
-        write_px4(plan, files["bin"].read_bytes(), files["px4"], graph_hash(plan))
+        write_px4(
+            plan, files["bin"].read_bytes(), files["px4"], graph_hash(plan), is_proven=is_proven
+        )
     return files
 
 

@@ -20,7 +20,7 @@ def padded(image: bytes) -> bytes:
     return image + b"\xff" * (-len(image) % WORD)
 
 
-def write_px4(plan: Plan, image: bytes, file: Path, graph_hash: str) -> None:
+def write_px4(plan: Plan, image: bytes, file: Path, graph_hash: str, *, is_proven: bool) -> None:
     """Writes no time and no place of the build: the same graph gives the same bytes."""
     assert plan.board.upload is not None
     assert plan.board.chip is not None
@@ -30,7 +30,7 @@ def write_px4(plan: Plan, image: bytes, file: Path, graph_hash: str) -> None:
         "board_id": plan.board.upload.board_id,
         "board_revision": 0,
         "summary": plan.board.name,
-        "description": f"Stator, graph {plan.graph.name}",
+        "description": f"Stator, graph {plan.graph.name}{'' if is_proven else ', NOT PROVEN'}",
         "version": graph_hash[:12],
         "git_identity": graph_hash,
         "build_time": 0,

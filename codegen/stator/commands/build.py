@@ -13,6 +13,7 @@ from stator.image.checks import double_lines, sections_of
 from stator.image.memory import sizes_of, total_of
 from stator.pipeline import make_buildable_plan
 from stator.plan.text import show_notes, unbound_devices
+from stator.prove.gate import add_unproven_argument, is_for_a_vehicle, require_proof
 
 if TYPE_CHECKING:
     import argparse
@@ -22,14 +23,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("graph", type=path, help="graph file, for example graph/quad.yaml")
     parser.add_argument("--board", help="build for this board instead of the graph's own")
     parser.add_argument("--sleep", action="store_true", help="sleep when idle (default: busy loop)")
+    add_unproven_argument(parser)
     add_verbose_argument(parser)
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
 def main(arguments: argparse.Namespace) -> int:
-    image = build_image(arguments.graph, arguments.board, SLEEP if arguments.sleep else {})
     plan = make_buildable_plan(str(arguments.graph), arguments.board)
-    files = image_files(plan, image)
+    is_proven = require_proof(plan, unproven=arguments.unproven)
+    image = build_image(arguments.graph, arguments.board, SLEEP if arguments.sleep else {})
+    files = image_files(plan, image, is_proven=is_proven)
     sizes = sizes_of(image)
     total = total_of(image)
     sections = sections_of(image)
@@ -46,6 +49,7 @@ def main(arguments: argparse.Namespace) -> int:
         }
         facts["sections"] = sections
         facts["double_precision"] = doubles
+        facts["proven"] = is_proven if is_for_a_vehicle(plan) else None
         facts["unbound_devices"] = unbound_devices(plan)
         print(json.dumps(facts, indent=2))
         return 0
@@ -60,4 +64,6 @@ def main(arguments: argparse.Namespace) -> int:
         print(f"double precision in software: node {name}, {fact['lines']} lines: {fact['why']}")
     print("\n".join(f"{shown_path(file)}" for file in files.values()))
     show_notes(plan)
+    if not is_proven:
+        print("NOT PROVEN: any deadline may be missed; ./stator prove says why")
     return 0

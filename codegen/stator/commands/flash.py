@@ -20,6 +20,7 @@ from stator.build.px4_file import padded
 from stator.diagnostics import NOT_DONE, UserError, shown_path
 from stator.pipeline import make_buildable_plan
 from stator.plan.text import unbound_devices
+from stator.prove.gate import add_unproven_argument, require_proof
 
 if TYPE_CHECKING:
     from stator.plan.plan import Plan
@@ -41,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     methods = "; ".join(f"{name}: {text}" for name, text in METHODS.items())
     parser.add_argument("--method", choices=METHODS, default="bootloader", help=methods)
     parser.add_argument("--port", help=f"serial port of the bootloader (default: {PORT})")
+    add_unproven_argument(parser)
     add_verbose_argument(parser)
     parser.add_argument("--dry-run", action="store_true", help="show the steps without doing them")
 
@@ -52,13 +54,16 @@ def main(arguments: argparse.Namespace) -> int:
             f"error: cannot flash board '{plan.board.name}': its board.yaml has no key `upload`"
             "\nhint: add --board fmu_v2"
         )
+    is_proven = require_proof(plan, unproven=arguments.unproven or arguments.dry_run)
     image = build_image(arguments.graph, arguments.board)
-    file = image_files(plan, image)["bin"]
+    file = image_files(plan, image, is_proven=is_proven)["bin"]
     refusal = _refusal(plan)
     if arguments.dry_run:
         print("\n".join(_steps(plan, file, arguments)))
         if refusal:
             print(f"note: without --dry-run, flash refuses this image: {refusal}")
+        if not is_proven:
+            print("NOT PROVEN: without --dry-run, flash needs --unproven; ./stator prove says why")
         return 0
     if refusal:
         raise UserError(

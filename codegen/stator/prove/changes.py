@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from stator.diagnostics import Report, UserError, nearest
+from stator.diagnostics import Failed, Report, UserError, nearest
 from stator.graph.model import Budget
 from stator.language.keys import MAX_LEVELS, PROVENANCES
 from stator.language.period import Period
@@ -58,11 +58,19 @@ def shortest_period_us(plan: Plan, name: str) -> int | None:
     low = 0
     while high - low > 1:
         middle = (low + high) // 2
-        if prove(with_period(plan, name, middle)).holds:
+        if _holds_at(plan, name, middle):
             high = middle
         else:
             low = middle
     return high
+
+
+def _holds_at(plan: Plan, name: str, us: int) -> bool:
+    """A period that needs more slots than a topic may have does not."""
+    try:
+        return prove(with_period(plan, name, us)).holds
+    except Failed:
+        return False
 
 
 def _change(graph: Graph, text: str) -> Graph:

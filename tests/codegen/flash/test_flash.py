@@ -23,7 +23,7 @@ GRAPH = HOME / "graph" / "examples" / "chain.yaml"
 
 def run(*arguments: str) -> int:
     needs_toolchain()
-    return cli.main(["flash", str(GRAPH), "--board", "fmu_v2", *arguments])
+    return cli.main(["flash", str(GRAPH), "--board", "fmu_v2", "--unproven", *arguments])
 
 
 def test_the_crc_is_that_of_a_bitwise_division() -> None:
@@ -116,6 +116,17 @@ def test_a_graph_whose_devices_have_no_driver_is_refused(
     ) in capsys.readouterr().err
 
 
+def test_what_is_not_proven_is_refused_before_anything_is_built(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The example has no budgets: the command that measures them is named."""
+    assert cli.main(["flash", str(GRAPH), "--board", "fmu_v2"]) == 2
+    error = capsys.readouterr().err
+    assert "missing budget of" in error
+    assert "hint: measure: ./stator measure graph/examples/chain.yaml --board fmu_v2\n" in error
+    assert "error: the deadlines of chain on fmu_v2 are not proven\n" in error
+
+
 def test_a_board_that_is_nothing_to_flash(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["flash", str(HOME / "graph" / "quad.yaml"), "--board", "sitl"]) == 2
     assert "its board.yaml has no key `upload`" in capsys.readouterr().err
@@ -132,6 +143,7 @@ def test_the_px4_file_holds_the_image_and_its_board() -> None:
     assert image[: len(flashed)] == flashed
     assert len(image) == fields["image_size"]
     assert fields["image_size"] % 4 == 0
+    assert fields["description"] == "Stator, graph quad"
     # The Pixhawk's id, and its 2 MB of flash less the bootloader's 16 KB.
     assert (fields["board_id"], fields["image_maxsize"]) == (9, 2 * 1024 * 1024 - 16 * 1024)
     # The stack pointer and the reset handler of the first two vectors: what the bootloader checks.

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from stator.__main__ import main
+from stator.diagnostics import Failed
 from stator.pipeline import make_plan
-from stator.prove.changes import shortest_period_us, with_period
+from stator.prove.changes import changed, shortest_period_us, with_period
 from stator.prove.proof import prove
 
 QUAD = str(Path(__file__).resolve().parents[3] / "graph" / "quad.yaml")
@@ -67,3 +68,13 @@ def test_the_highest_rate_is_proven_and_a_higher_one_is_not() -> None:
     assert shortest < 900
     assert prove(with_period(plan, "imu0", shortest)).holds
     assert not prove(with_period(plan, "imu0", shortest - 1)).holds
+
+
+def test_a_period_that_a_queue_cannot_hold_is_not_proven() -> None:
+    """A logger that takes little leaves time for rates at which 16 samples are not enough."""
+    plan = changed(make_plan(QUAD, "fmu_v2"), ["logger.budget=300us", "log_sink.budget=20us"])
+    shortest = shortest_period_us(plan, "imu0")
+    assert shortest is not None
+    assert prove(with_period(plan, "imu0", shortest)).holds
+    with pytest.raises(Failed):
+        with_period(plan, "imu0", shortest - 1)
