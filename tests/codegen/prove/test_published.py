@@ -56,6 +56,14 @@ PREEMPTIVE = {
     "wang_saksena_1999": ([Row(20, 70), Row(20, 80), Row(35, 200)], [20, 40, 115]),
     # Liu and Layland, JACM 1973: periods that divide each other use the whole processor.
     "liu_layland_1973": ([Row(1, 2), Row(1, 4), Row(2, 8)], [1, 2, 8]),
+    # The two tasks of its section 4: with the short period first, the other one may take 2 of its
+    # 5; with the long period first, neither may take more than 1.
+    "liu_layland_1973_short_first": ([Row(1, 2), Row(2, 5)], [1, 4]),
+    "liu_layland_1973_long_first": ([Row(1, 5), Row(1, 2)], [1, 2]),
+    "liu_layland_1973_too_much": ([Row(2, 5), Row(1, 2)], [2, 3]),
+    # Sha and Goodenough, Real-time scheduling theory and Ada, IEEE Computer 1990: above the bound of
+    # utilisation; the last one ends at 300, before its 350.
+    "sha_goodenough_1990": ([Row(40, 100), Row(40, 150), Row(100, 350)], [40, 80, 300]),
 }
 ONE_LEVEL = {
     # The same set of Wang and Saksena without preemption.
