@@ -61,8 +61,8 @@ PREEMPTIVE = {
     "liu_layland_1973_short_first": ([Row(1, 2), Row(2, 5)], [1, 4]),
     "liu_layland_1973_long_first": ([Row(1, 5), Row(1, 2)], [1, 2]),
     "liu_layland_1973_too_much": ([Row(2, 5), Row(1, 2)], [2, 3]),
-    # Sha and Goodenough, Real-time scheduling theory and Ada, IEEE Computer 1990: above the bound of
-    # utilisation; the last one ends at 300, before its 350.
+    # Sha and Goodenough, Real-time scheduling theory and Ada, IEEE Computer 1990: beyond the bound
+    # of utilisation, but the last one ends at 300, before its 350.
     "sha_goodenough_1990": ([Row(40, 100), Row(40, 150), Row(100, 350)], [40, 80, 300]),
 }
 ONE_LEVEL = {
