@@ -37,17 +37,18 @@ class Crash {
     }
     void reset() {
         for_s_ = quiet_for_s_ = inverted_s_ = whirls_s_ = 0.0F;
-        frozen_s_ = clips_for_s_ = tumbled_s_ = lain_s_ = dead_s_ = 0.0F;
+        frozen_s_ = gyro_frozen_s_ = clips_for_s_ = tumbled_s_ = lain_s_ = dead_s_ = 0.0F;
     }
 
   private:
     // An accelerometer at the end of its range repeats itself and says nothing. Then what tumbled
-    // and now turns no more lies on the ground. Where gyro and accelerometer both repeat
-    // themselves, nothing has kept it in the air.
+    // and now turns no more lies on the ground. A gyro at the end of its range repeats itself, too,
+    // while it tumbles. Where all axes of both repeat themselves, nothing has kept it in the air.
     bool watch_frozen(const math::Vector3<float>& force_B, const math::Vector3<float>& rate_B,
                       float dt) {
         const math::Vector3<float> change_B = (force_B - felt_B_).cwiseAbs();
-        const bool is_dead = change_B.maxCoeff() == 0.0F && rate_B == last_rate_B_;
+        const math::Vector3<float> turn_B = (rate_B - last_rate_B_).cwiseAbs();
+        const bool is_dead = change_B.maxCoeff() == 0.0F && turn_B.maxCoeff() == 0.0F;
         felt_B_ = force_B;
         last_rate_B_ = rate_B;
         dead_s_ = is_dead ? dead_s_ + dt : 0.0F;
@@ -55,8 +56,10 @@ class Crash {
         if (frozen_s_ >= kFrozen_s) clips_for_s_ = kClips_s;
         clips_for_s_ = math::max(clips_for_s_ - dt, 0.0F);
         const float rate = math::norm(rate_B);
+        gyro_frozen_s_ = turn_B.minCoeff() == 0.0F ? gyro_frozen_s_ + dt : 0.0F;
+        const bool turns = rate > kTurns || gyro_frozen_s_ >= kGyroFrozen_s;
         if (clips_for_s_ == 0.0F) tumbled_s_ = lain_s_ = 0.0F;
-        if (clips_for_s_ > 0.0F && rate > kTurns) tumbled_s_ += dt;
+        if (clips_for_s_ > 0.0F && turns) tumbled_s_ += dt;
         lain_s_ = tumbled_s_ >= kTumbled_s && rate < kQuiet ? lain_s_ + dt : 0.0F;
         return lain_s_ >= kQuiet_s || dead_s_ >= kDead_s;
     }
@@ -76,6 +79,7 @@ class Crash {
     static constexpr float kWhirls = 25.0F;  // rad/s, half as much again as a lost motor causes
     static constexpr float kWhirls_s = 1.0F;
     static constexpr float kFrozen_s = 0.2F;
+    static constexpr float kGyroFrozen_s = 0.1F;
     static constexpr float kClips_s = 3.0F;
     static constexpr float kDead_s = 2.0F;
     static constexpr float kTurns = 0.6F;  // rad/s: a gyro at the end of its range shows no more
@@ -90,6 +94,7 @@ class Crash {
     float whirls_s_ = 0.0F;
     float clips_for_s_ = 0.0F;
     float frozen_s_ = 0.0F;
+    float gyro_frozen_s_ = 0.0F;
     float tumbled_s_ = 0.0F;
     float lain_s_ = 0.0F;
     float for_s_ = 0.0F;

@@ -237,6 +237,24 @@ TEST_F(LandDetectorTest, what_flies_tilted_or_tumbles_has_not_crashed) {
     EXPECT_TRUE(crashed_);
 }
 
+// A gyro that clips at a slow rate turns, too: it repeats itself.
+TEST_F(LandDetectorTest, a_tumble_under_a_clipped_gyro_is_a_crash) {
+    fly();
+    const auto clipped = [this](bool clips, float seconds) {
+        for (float t = 0.0F; t < seconds; t += 0.004F) {
+            const float noise = (now_us_ + 4'000) / 4'000 % 2 == 0 ? 0.001F : -0.001F;
+            gyro_.xyz = {0.0F, clips ? 0.5F - noise : 0.05F, 0.0F};
+            accel_.xyz[2] = -0.57F - noise;
+            step();
+        }
+    };
+    clipped(false, 4.0F);
+    EXPECT_FALSE(crashed_);
+    clipped(true, 0.7F);
+    clipped(false, 1.6F);
+    EXPECT_TRUE(crashed_);
+}
+
 // Of a gyro that has drifted away; the attitude, too, is wrong.
 TEST_F(LandDetectorTest, a_steady_rate_does_not_hide_a_crash) {
     fly();
