@@ -118,17 +118,22 @@ VehicleLocalPosition Navigation::local_position(const Kinematics& now,
     result.epv = deviation(variance(kPosition + 2) + d.height(), params.baro_slow_error);
     result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1) + drift);
     result.evv = deviation(variance(kVelocity + 2) + vertical_disagreement());
-    result.xy_valid = position_aided && result.eph < kGoodPosition;
+    const bool heading_is_good = nose_variance() < math::square(kGoodHeading);
+    const bool coasts = !position_aid_.recent(filter_.time_us(), kCoasting) &&
+                        !velocity_aid_.recent(filter_.time_us(), kCoasting);
+    // Without satellites, what is felt is turned by the heading's error.
+    const bool goes_astray = coasts && !heading_is_good;
+    result.xy_valid = position_aided && result.eph < kGoodPosition && !goes_astray;
     result.z_valid = height_aided && result.epv < kGoodHeight;
-    result.v_xy_valid = (velocity_aided || position_aided) && result.evh < kGoodLevelVelocity;
+    result.v_xy_valid =
+        (velocity_aided || position_aided) && result.evh < kGoodLevelVelocity && !goes_astray;
     // Satellites know how fast it sinks where the barometer has lost the height.
     result.v_z_valid =
         (height_aided || velocity_aided) && result.evv < kGoodVelocity && !doubt_.now();
     result.xy_global = has_origin_;
     result.z_global = has_origin_height_;
-    result.heading_good_for_control = nose_variance() < math::square(kGoodHeading);
-    result.dead_reckoning = !position_aid_.recent(filter_.time_us(), kCoasting) &&
-                            !velocity_aid_.recent(filter_.time_us(), kCoasting);
+    result.heading_good_for_control = heading_is_good;
+    result.dead_reckoning = coasts;
     return result;
 }
 

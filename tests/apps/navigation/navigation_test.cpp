@@ -287,6 +287,18 @@ TEST(Navigation, GoesOnWithoutSatellites) {
     EXPECT_LT(rig.tilt_error(), 1 * kDegree);
 }
 
+// With a heading that may be any it does not know where it goes.
+TEST(Navigation, WithoutSatellitesAndHeadingThePositionIsLostSoon) {
+    NavigationRig rig;
+    rig.has_mag = false;
+    rig.run(20);
+    ASSERT_FALSE(rig.position.heading_good_for_control);
+    EXPECT_TRUE(rig.position.xy_valid);
+    rig.has_gnss = false;
+    rig.run(2);
+    EXPECT_FALSE(rig.position.xy_valid || rig.position.v_xy_valid);
+}
+
 TEST(Navigation, KnowsHeightWithoutABarometer) {
     NavigationRig rig = flying();
     rig.has_baro = false;
