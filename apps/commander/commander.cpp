@@ -17,6 +17,7 @@ constexpr float kLongestStep = 1.0F;
 constexpr float kLowThrottle = -0.9F;
 constexpr float kMoves = 0.2F;     // m/s, less than any descent
 constexpr float kStands_s = 5.0F;  // without that
+constexpr float kHigh = 10.0F;     // m, more than a height is off by
 // Setpoints of the mode offboard come at least so often: 2 Hz, with some patience.
 constexpr float kProofOfLife_s = 0.6F;
 
@@ -305,7 +306,10 @@ void Commander::disarm_where_due(const CommanderPorts& ports, float dt) {
     const bool moves =
         ports.position && ports.position->v_z_valid && math::abs(ports.position->vz) > kMoves;
     moved_s_ = moves ? 0.0F : moved_s_ + dt;
-    const bool is_down_by_now = blind_for_s_ >= blind_limit && moved_s_ >= kStands_s;
+    // Nor what the barometer alone sees high up.
+    const bool is_high =
+        ports.position && ports.position->z_valid && home_.z - ports.position->z > kHigh;
+    const bool is_down_by_now = blind_for_s_ >= blind_limit && moved_s_ >= kStands_s && !is_high;
     if (has_landed || waits_in_vain || is_down_by_now || mode_ == Nav::kTermination) disarm();
 }
 

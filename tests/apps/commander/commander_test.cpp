@@ -352,6 +352,20 @@ TEST_F(CommanderTest, a_descent_without_a_height_ends_when_the_last_one_must_be_
     EXPECT_FALSE(is_armed());
 }
 
+// A barometer alone sees that it is not.
+TEST_F(CommanderTest, what_is_seen_high_up_is_not_down_by_now) {
+    fly(Nav::kHold);
+    position_.z = -20.0F;
+    run(1.0F);
+    position_.v_z_valid = false;
+    run(600.0F);
+    EXPECT_EQ(status_.nav_state, Nav::kDescend);
+    EXPECT_TRUE(is_armed());
+    position_.z = -5.0F;
+    run(1.0F);
+    EXPECT_FALSE(is_armed());
+}
+
 TEST_F(CommanderTest, a_descent_whose_height_is_known_ends_on_the_ground_alone) {
     fly(Nav::kHold);
     position_.z = -20.0F;
