@@ -33,6 +33,7 @@ unsigned configure(Rotors& rotors, const AllocationParams& params) {
 
 // Without a torque for so long, a status alone stops the motors.
 constexpr uint64_t kSilent_us = 20'000;
+constexpr uint64_t kTest_us = 100'000;
 
 float share_or_zero(float value, float least, float most) {
     return math::is_nan(value) ? 0.0F : math::clamp(value, least, most);
@@ -40,8 +41,19 @@ float share_or_zero(float value, float least, float most) {
 
 }  // namespace
 
+void Allocation::test_motor(const AllocationPorts& ports, std::span<float> control) const {
+    if (!ports.test || ports.test->motor >= count_) return;
+    const bool is_over = ports.now > ports.test->timestamp + kTest_us;
+    if (is_over || math::is_nan(ports.test->thrust)) return;
+    control[ports.test->motor] = math::clamp(ports.test->thrust, 0.0F, 1.0F);
+}
+
 void Allocation::step(AllocationPorts& ports) {
-    if (ports.params.is_new()) count_ = configure(rotors_, *ports.params);
+    if (ports.params.is_new()) {
+        count_ = configure(rotors_, *ports.params);
+        ports.allocation.publish(
+            [&] { return AllocationStatus{.motor_count = static_cast<uint8_t>(count_)}; });
+    }
     if (ports.status) is_armed_ = ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
     if (ports.torque) torque_us_ = ports.now;
     const bool is_silent = torque_us_ != 0 && ports.now >= torque_us_ + kSilent_us;
@@ -58,6 +70,7 @@ void Allocation::step(AllocationPorts& ports) {
         rotors_.allocate(torque, up, control);
         if (ports.motors_left) control = ports.motors_left->control;
     }
+    if (!is_armed_) test_motor(ports, control);
     ports.motors.publish([&] {
         return ActuatorMotors{
             .timestamp_sample = ports.torque ? ports.torque->timestamp_sample : ports.now,

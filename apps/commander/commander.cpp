@@ -20,6 +20,9 @@ constexpr float kStands_s = 5.0F;  // without that
 constexpr float kHigh = 10.0F;     // m, more than a height is off by
 // Setpoints of the mode offboard come at least so often: 2 Hz, with some patience.
 constexpr float kProofOfLife_s = 0.6F;
+// Of the test of a motor. Stations are heard each second.
+constexpr float kStationIsThere_s = 2.5F;
+constexpr float kLongestTest_s = 10.0F;
 
 bool knows_height(const CommanderPorts& ports) {
     return ports.position && ports.position->z_valid && ports.position->v_z_valid &&
@@ -257,8 +260,47 @@ VehicleCommandAck::Result Commander::obey(const CommanderPorts& ports,
         case VehicleCommand::Action::kSetItem:
             if (!ports.result || command.item >= ports.result->seq_total) return Result::kDenied;
             return Result::kAccepted;
+        case VehicleCommand::Action::kTestMotor:
+            return test_motor(ports, command);
     }
     return Result::kUnsupported;
+}
+
+bool Commander::may_test_motors(const CommanderPorts& ports) const {
+    const bool kills = ports.switches && ports.switches->kill_switch == Switch::KillSwitch::kOn;
+    return !is_armed_ && !kills && ports.land && ports.land->landed && has_heard_station_ &&
+           no_station_s_ <= kStationIsThere_s;
+}
+
+// One at a time: the newest takes the place of the one before.
+VehicleCommandAck::Result Commander::test_motor(const CommanderPorts& ports,
+                                                const VehicleCommand& command) {
+    using Result = VehicleCommandAck::Result;
+    if (!ports.motor_test.is_connected() || !ports.allocation) return Result::kUnsupported;
+    const bool is_end = math::is_nan(command.thrust);
+    const bool is_possible =
+        command.motor < ports.allocation->motor_count &&
+        (is_end || (command.thrust >= 0.0F && command.thrust <= 1.0F && command.duration > 0.0F &&
+                    command.duration <= kLongestTest_s));
+    if (!is_possible) return Result::kDenied;
+    if (is_end) {
+        test_left_s_ = 0.0F;
+        return Result::kAccepted;
+    }
+    if (!may_test_motors(ports)) return Result::kTemporarilyRejected;
+    is_testing_ = true;
+    test_left_s_ = command.duration;
+    test_ = {.motor = command.motor, .thrust = command.thrust};
+    return Result::kAccepted;
+}
+
+// Told in each activation, as it counts for a short time. The last one stops the motor at once.
+void Commander::run_motor_test(CommanderPorts& ports, float dt) {
+    if (!is_testing_) return;
+    test_left_s_ -= dt;
+    is_testing_ = test_left_s_ > 0.0F && may_test_motors(ports);
+    if (!is_testing_) test_.thrust = math::canonical_nan<float>();
+    ports.motor_test.publish([&] { return test_; });
 }
 
 void Commander::take_command(CommanderPorts& ports) {
@@ -321,6 +363,7 @@ void Commander::step(CommanderPorts& ports) {
     take_events(ports, dt);
     take_wish(ports, dt);
     take_command(ports);
+    run_motor_test(ports, dt);
     if (is_armed_) fly(ports, dt);
     using Arming = VehicleStatus::ArmingState;
     // First home, then the status that starts what needs it.

@@ -13,7 +13,8 @@ namespace stator::apps::commander {
 // mode switch counts when it moves, and only if the failsafe table lets that mode go on. After a
 // failsafe nothing returns by itself to the mode before. On the ground a failsafe only disarms, and
 // a return is refused: nothing but the pilot's stick, a mission or a take-off leaves the ground.
-// A command counts like a switch that moves; the newest of both wins.
+// A command counts like a switch that moves; the newest of both wins. A motor turns for a test only
+// while the vehicle is disarmed on the ground and a ground station is heard.
 class Commander {
   public:
     void step(CommanderPorts& ports);
@@ -29,6 +30,10 @@ class Commander {
     void take_wish(const CommanderPorts& ports, float dt);
     void take_arm_switch(const CommanderPorts& ports, float dt);
     void take_command(CommanderPorts& ports);
+    bool may_test_motors(const CommanderPorts& ports) const;
+    VehicleCommandAck::Result test_motor(const CommanderPorts& ports,
+                                         const VehicleCommand& command);
+    void run_motor_test(CommanderPorts& ports, float dt);
     VehicleCommandAck::Result obey(const CommanderPorts& ports, const VehicleCommand& command);
     VehicleCommandAck::Result arm_by_command(const CommanderPorts& ports);
     void fly(const CommanderPorts& ports, float dt);
@@ -61,6 +66,9 @@ class Commander {
 
     bool arm_switch_was_on_ = true;  // one that is on from the start must go off first
     float arming_left_s_ = 0.0F;
+    bool is_testing_ = false;
+    float test_left_s_ = 0.0F;
+    MotorTest test_{};
     uint8_t mode_slot_ = 0;
     bool return_was_on_ = false;
     Hysteresis kill_holds_;

@@ -14,7 +14,8 @@ namespace result = mav::mav_result;
 using Action = VehicleCommand::Action;
 using Nav = VehicleStatus::NavState;
 
-constexpr float kForce = 21196.0F;  // of COMPONENT_ARM_DISARM: disarm in the air, too
+constexpr float kForce = 21196.0F;        // of COMPONENT_ARM_DISARM: disarm in the air, too
+constexpr double kMotorFunctions = 16.0;  // of ACTUATOR_TEST
 constexpr uint64_t kPatience_us = 200'000;
 constexpr float kNan = math::canonical_nan<float>();
 
@@ -175,9 +176,36 @@ void Mavlink::handle_flight_command(const Request& request, MavlinkPorts& ports)
         }
         case cmd::kDoReposition:
             return command(request, go_to(request), ports);
+        case cmd::kDoMotorTest: {
+            // By its number and in percent, one motor. Not a number: not given.
+            const bool is_one = !(request.latitude_deg > 1.0) && p[1] == 0.0F;
+            const bool is_numbered = !(request.longitude_deg == 1.0);  // not in a sequence
+            if (!is_one || !is_numbered) return answer(request, result::kUnsupported);
+            return test_motor(request, p[0], 0.01F * p[2], p[3], ports);
+        }
+        case cmd::kActuatorTest: {
+            // Functions of outputs from 1 on are motors.
+            const double function = request.latitude_deg;
+            if (!(function >= 1.0 && function <= kMotorFunctions)) {
+                return answer(request, result::kUnsupported);
+            }
+            return test_motor(request, static_cast<float>(function), p[0], p[1], ports);
+        }
         default:
             return answer(request, result::kUnsupported);
     }
+}
+
+// `number`: from 1. `thrust`: not a number ends a test.
+void Mavlink::test_motor(const Request& request, float number, float thrust, float duration,
+                         MavlinkPorts& ports) {
+    if (!(number >= 1.0F)) return answer(request, result::kDenied);
+    command(request,
+            {.action = Action::kTestMotor,
+             .motor = math::saturate<uint8_t>(number - 1.0F),
+             .thrust = thrust,
+             .duration = duration},
+            ports);
 }
 
 void Mavlink::set_mode(const Request& request, uint32_t main, uint32_t sub, MavlinkPorts& ports) {

@@ -79,6 +79,8 @@ class Mavlink {
     void handle_flight_command(const Request& request, MavlinkPorts& ports);
     void restart(const Request& request, MavlinkPorts& ports);
     void calibrate(const Request& request, MavlinkPorts& ports);
+    void test_motor(const Request& request, float number, float thrust, float duration,
+                    MavlinkPorts& ports);
     void set_mode(const Request& request, uint32_t main, uint32_t sub, MavlinkPorts& ports);
     void command(const Request& request, const VehicleCommand& wish, MavlinkPorts& ports);
     VehicleCommand go_to(const Request& request) const;

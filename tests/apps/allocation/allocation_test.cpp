@@ -336,5 +336,67 @@ TEST_F(AllocationTest, stops_without_a_torque_once_disarmed) {
     EXPECT_EQ(step(1'125'000, false), 0U);  // the torque itself comes
 }
 
+// A motor that is tested, on a vehicle that rate_control keeps waking.
+class MotorTestTest : public AllocationTest {
+  protected:
+    MotorTestTest() { status_.arming_state = VehicleStatus::ArmingState::kDisarmed; }
+    const std::array<float, 12>& step(uint64_t now_us, const MotorTest& test) {
+        AllocationPorts ports{.now = now_us,
+                              .torque = Input(torque_),
+                              .thrust = Input(thrust_),
+                              .status = Input(status_),
+                              .test = Input(test),
+                              .params = Input(params_, is_first_)};
+        testing::Probe motors(ports.motors, now_us);
+        testing::Probe allocation(ports.allocation, now_us);
+        node_.step(ports);
+        if (allocation.count() != 0) count_ = allocation.newest().motor_count;
+        is_first_ = false;
+        motors_ = motors.newest();
+        return motors_.control;
+    }
+    bool is_first_ = true;
+    int count_ = -1;
+};
+
+TEST_F(MotorTestTest, one_motor_turns_and_the_others_stand) {
+    const auto& control = step(1'000'000, {.timestamp = 990'000, .motor = 2, .thrust = 0.15F});
+    EXPECT_EQ(count_, 4);
+    for (unsigned i = 0; i < control.size(); ++i) {
+        EXPECT_EQ(math::is_nan(control.at(i)), i != 2) << i;
+    }
+    EXPECT_EQ(control[2], 0.15F);
+    step(1'010'000, {.timestamp = 1'010'000, .motor = 2, .thrust = 7.0F});
+    EXPECT_EQ(motors_.control[2], 1.0F);
+}
+
+TEST_F(MotorTestTest, it_ends_with_its_last_word_or_without_a_word) {
+    const MotorTest test{.timestamp = 1'000'000, .motor = 0, .thrust = 0.2F};
+    step(1'100'000, test);
+    EXPECT_EQ(motors_.control[0], 0.2F);
+    step(1'101'000, test);
+    EXPECT_TRUE(all_stopped());
+    step(1'102'000, {.timestamp = 1'102'000, .thrust = math::canonical_nan<float>()});
+    EXPECT_TRUE(all_stopped());
+}
+
+TEST_F(MotorTestTest, armed_it_changes_nothing_and_a_motor_that_is_not_there_does_not_turn) {
+    step(1'000'000, {.timestamp = 1'000'000, .motor = 4, .thrust = 0.2F});
+    EXPECT_TRUE(all_stopped());
+    status_.arming_state = VehicleStatus::ArmingState::kArmed;
+    step(1'001'000, {.timestamp = 1'001'000, .motor = 0, .thrust = 0.9F});
+    EXPECT_EQ(motors_.control[0], motors_.control[1]);
+    EXPECT_LT(motors_.control[0], 0.1F);
+}
+
+TEST_F(MotorTestTest, rotors_that_cannot_steer_are_not_tested) {
+    std::array<Rotor, 4> in_line = kIris;
+    for (Rotor& rotor : in_line) rotor.y = 0.0F;
+    set_rotors(in_line);
+    step(1'000'000, {.timestamp = 1'000'000, .motor = 0, .thrust = 0.2F});
+    EXPECT_TRUE(all_stopped());
+    EXPECT_EQ(count_, 0);
+}
+
 }  // namespace
 }  // namespace stator::apps::allocation

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <optional>
 
 #include "stator/testing.hpp"
 
@@ -55,6 +56,7 @@ class CommanderTest : public ::testing::Test {
             .station = hears_station_ || has_heard_ ? Input(station_, hears_station_)
                                                     : Input<StationHeartbeat>(),
             .parameters = Input(parameters_),
+            .allocation = Input(allocation_),
             .log = has_log_ ? Input(log_) : Input<LogBlock>(),
             .params = Input(params_)};
         testing::Probe status(ports.status, now_us_);
@@ -62,10 +64,13 @@ class CommanderTest : public ::testing::Test {
         testing::Probe health(ports.health, now_us_);
         testing::Probe accepted(ports.accepted, now_us_);
         testing::Probe ack(ports.ack, now_us_);
+        testing::Probe motor_test(ports.motor_test, now_us_);
         node_.step(ports);
         has_heard_ = has_heard_ || hears_station_;
         if (is_commanded_) answer_ = ack.newest();
         is_passed_on_ = accepted.count() != 0;
+        test_.reset();
+        if (motor_test.count() != 0) test_ = motor_test.newest();
         is_commanded_ = false;
         status_ = status.newest();
         home_ = home.newest();
@@ -146,6 +151,8 @@ class CommanderTest : public ::testing::Test {
     EscStatus escs_{};
     LogBlock log_{};
     ParameterStatus parameters_{};
+    AllocationStatus allocation_{.motor_count = 4};
+    std::optional<MotorTest> test_;  // of the last step
     CommanderParams params_{};
     VehicleStatus status_{};
     HomePosition home_{};
@@ -824,6 +831,97 @@ TEST_F(CommanderTest, ActionsAreChosenByParameters) {
     params_.fence_action = 4;
     run(0.1F);
     EXPECT_FALSE(is_armed());
+}
+
+class MotorTestTest : public CommanderTest {
+  protected:
+    MotorTestTest() {
+        hears_station_ = true;
+        run(0.1F);
+    }
+    Answer test(unsigned motor, float thrust, float duration = 1.0F) {
+        return command({.action = Action::kTestMotor,
+                        .motor = static_cast<uint8_t>(motor),
+                        .thrust = thrust,
+                        .duration = duration});
+    }
+    // That the last step stopped it, and nothing follows.
+    void expect_end() {
+        ASSERT_TRUE(test_);
+        EXPECT_TRUE(math::is_nan(test_->thrust));
+        step();
+        EXPECT_FALSE(test_);
+    }
+};
+
+TEST_F(MotorTestTest, a_motor_turns_for_its_time) {
+    EXPECT_EQ(test(2, 0.15F, 0.5F), Answer::kAccepted);
+    for (int i = 0; i < 25; ++i) {
+        ASSERT_TRUE(test_) << i;
+        if (math::is_nan(test_->thrust)) break;
+        EXPECT_EQ(test_->motor, 2);
+        EXPECT_EQ(test_->thrust, 0.15F);
+        EXPECT_LT(i, 25);
+        step();
+    }
+    expect_end();
+}
+
+TEST_F(MotorTestTest, the_newest_takes_the_place_of_the_one_before_and_nan_ends_it) {
+    EXPECT_EQ(test(0, 0.1F), Answer::kAccepted);
+    EXPECT_EQ(test(3, 0.2F), Answer::kAccepted);
+    EXPECT_EQ(test_->motor, 3);
+    EXPECT_EQ(test(3, math::canonical_nan<float>()), Answer::kAccepted);
+    expect_end();
+}
+
+TEST_F(MotorTestTest, what_cannot_be_tested_is_denied) {
+    EXPECT_EQ(test(4, 0.1F), Answer::kDenied);
+    EXPECT_EQ(test(0, -0.1F), Answer::kDenied);
+    EXPECT_EQ(test(0, 1.1F), Answer::kDenied);
+    EXPECT_EQ(test(0, 0.1F, 0.0F), Answer::kDenied);
+    EXPECT_EQ(test(0, 0.1F, 11.0F), Answer::kDenied);
+    EXPECT_EQ(test(0, 0.1F, math::canonical_nan<float>()), Answer::kDenied);
+    EXPECT_FALSE(test_);
+}
+
+TEST_F(MotorTestTest, only_on_the_ground_disarmed_and_while_a_station_is_heard) {
+    land_.landed = false;
+    EXPECT_EQ(test(0, 0.1F), Answer::kTemporarilyRejected) << "falls, disarmed";
+    land_.landed = true;
+    hears_station_ = false;
+    run(3.0F);
+    EXPECT_EQ(test(0, 0.1F), Answer::kTemporarilyRejected) << "nobody is there";
+    hears_station_ = true;
+    fly(Nav::kHold);
+    EXPECT_EQ(test(0, 0.1F), Answer::kTemporarilyRejected) << "in the air";
+    EXPECT_FALSE(test_);
+}
+
+TEST_F(MotorTestTest, ends_when_the_station_is_lost) {
+    EXPECT_EQ(test(0, 0.1F, 10.0F), Answer::kAccepted);
+    hears_station_ = false;
+    run(2.0F);
+    ASSERT_TRUE(test_);
+    EXPECT_EQ(test_->thrust, 0.1F);
+    run(1.0F);
+    EXPECT_FALSE(test_);
+    hears_station_ = true;
+    run(1.0F);
+    EXPECT_FALSE(test_) << "nothing begins again";
+}
+
+TEST_F(MotorTestTest, ends_by_arming_and_by_the_kill_switch) {
+    run(4.0F);
+    EXPECT_EQ(test(0, 0.1F, 10.0F), Answer::kAccepted);
+    EXPECT_EQ(command(Action::kArm), Answer::kAccepted);
+    EXPECT_TRUE(is_armed());
+    expect_end();
+    EXPECT_EQ(command(Action::kDisarm), Answer::kAccepted);
+    EXPECT_EQ(test(0, 0.1F, 10.0F), Answer::kAccepted);
+    switches_.kill_switch = ManualControlSwitches::KillSwitch::kOn;
+    step();
+    expect_end();
 }
 
 }  // namespace
