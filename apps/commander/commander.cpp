@@ -255,6 +255,7 @@ VehicleCommandAck::Result Commander::obey(const CommanderPorts& ports,
             return result_of(mode_ == mode);
         }
         case VehicleCommand::Action::kGo:
+        case VehicleCommand::Action::kOrbit:
             if (is_armed_ && !is_on_ground_) choose(ports, Nav::kHold);
             return result_of(is_armed_ && !is_on_ground_ && mode_ == Nav::kHold);
         case VehicleCommand::Action::kSetItem:

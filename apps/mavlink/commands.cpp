@@ -14,7 +14,12 @@ namespace result = mav::mav_result;
 using Action = VehicleCommand::Action;
 using Nav = VehicleStatus::NavState;
 
-constexpr float kForce = 21196.0F;        // of COMPONENT_ARM_DISARM: disarm in the air, too
+constexpr float kForce = 21196.0F;  // of COMPONENT_ARM_DISARM: disarm in the air, too
+// Of an orbit.
+constexpr float kUsualRadius = 10.0F;
+constexpr float kShortestRadius = 1.0F;
+constexpr float kLongestRadius = 1000.0F;
+constexpr float kFastest = 50.0F;
 constexpr double kMotorFunctions = 16.0;  // of ACTUATOR_TEST
 constexpr uint64_t kPatience_us = 200'000;
 constexpr float kNan = math::canonical_nan<float>();
@@ -176,6 +181,8 @@ void Mavlink::handle_flight_command(const Request& request, MavlinkPorts& ports)
         }
         case cmd::kDoReposition:
             return command(request, go_to(request), ports);
+        case cmd::kDoOrbit:
+            return orbit(request, ports);
         case cmd::kDoMotorTest: {
             // By its number and in percent, one motor. Not a number: not given.
             const bool is_one = !(request.latitude_deg > 1.0) && p[1] == 0.0F;
@@ -234,6 +241,29 @@ VehicleCommand Mavlink::go_to(const Request& request) const {
         wish.position[1] = static_cast<float>(at.east);
     }
     return wish;
+}
+
+// Until something else is wished for: a number of turns is not counted.
+void Mavlink::orbit(const Request& request, MavlinkPorts& ports) {
+    const auto& p = request.param;
+    // Looks at the middle if nothing is given; or keeps its heading.
+    const bool faces_centre = math::is_nan(p[2]) || p[2] == 0.0F;
+    const bool keeps_heading = p[2] == 1.0F || p[2] == 5.0F;
+    const bool is_endless = math::is_nan(p[3]) || p[3] == 0.0F;
+    if (!is_endless || (!faces_centre && !keeps_heading)) {
+        return answer(request, result::kUnsupported);
+    }
+    const float radius = math::is_nan(p[0]) ? kUsualRadius : p[0];
+    const bool is_round =
+        math::abs(radius) >= kShortestRadius && math::abs(radius) <= kLongestRadius;
+    const bool is_speed = math::is_nan(p[1]) || (p[1] > 0.0F && p[1] <= kFastest);
+    if (!is_round || !is_speed) return answer(request, result::kDenied);
+    VehicleCommand wish = go_to(request);
+    wish.action = Action::kOrbit;
+    wish.radius = radius;
+    wish.speed = p[1];
+    wish.faces_centre = faces_centre;
+    command(request, wish, ports);
 }
 
 // Hands a wish to the node that decides. One that is repeated before its answer gets one answer.

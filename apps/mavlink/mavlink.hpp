@@ -84,6 +84,7 @@ class Mavlink {
     void set_mode(const Request& request, uint32_t main, uint32_t sub, MavlinkPorts& ports);
     void command(const Request& request, const VehicleCommand& wish, MavlinkPorts& ports);
     VehicleCommand go_to(const Request& request) const;
+    void orbit(const Request& request, MavlinkPorts& ports);
     float height_of(float z, uint8_t frame) const;
     void answer(const Request& request, uint32_t outcome);
     void acknowledge(unsigned number, mav::Address to, uint16_t command, uint32_t outcome);

@@ -18,15 +18,25 @@ struct Stream {
 };
 
 inline constexpr std::array kStreams{
-    Stream{mav::Heartbeat::kId, 1000, 1000},      Stream{mav::SysStatus::kId, 1000, 1000},
-    Stream{mav::Attitude::kId, 250, 100},         Stream{mav::GlobalPositionInt::kId, 250, 100},
-    Stream{mav::LocalPositionNed::kId, 500, 100}, Stream{mav::GpsRawInt::kId, 1000, 200},
-    Stream{mav::VfrHud::kId, 250, 250},           Stream{mav::ExtendedSysState::kId, 1000, 500},
-    Stream{mav::MissionCurrent::kId, 1000, 1000}, Stream{mav::BatteryStatus::kId, 2000, 1000},
-    Stream{mav::HomePosition::kId, 2000, 1000},   Stream{mav::SystemTime::kId, 2000, 1000},
-    Stream{mav::Altitude::kId, 1000, 200},        Stream{mav::AttitudeQuaternion::kId, 0, 100},
-    Stream{mav::HighresImu::kId, 1000, 200},      Stream{mav::Odometry::kId, 0, 0},
+    Stream{mav::Heartbeat::kId, 1000, 1000},
+    Stream{mav::SysStatus::kId, 1000, 1000},
+    Stream{mav::Attitude::kId, 250, 100},
+    Stream{mav::GlobalPositionInt::kId, 250, 100},
+    Stream{mav::LocalPositionNed::kId, 500, 100},
+    Stream{mav::GpsRawInt::kId, 1000, 200},
+    Stream{mav::VfrHud::kId, 250, 250},
+    Stream{mav::ExtendedSysState::kId, 1000, 500},
+    Stream{mav::MissionCurrent::kId, 1000, 1000},
+    Stream{mav::BatteryStatus::kId, 2000, 1000},
+    Stream{mav::HomePosition::kId, 2000, 1000},
+    Stream{mav::SystemTime::kId, 2000, 1000},
+    Stream{mav::Altitude::kId, 1000, 200},
+    Stream{mav::AttitudeQuaternion::kId, 0, 100},
+    Stream{mav::HighresImu::kId, 1000, 200},
+    Stream{mav::Odometry::kId, 0, 0},
     Stream{mav::CurrentMode::kId, 2000, 2000},
+    Stream{mav::RcChannels::kId, 1000, 0},
+    Stream{mav::OrbitExecutionStatus::kId, 2000, 0},
 };
 
 // The streams of one link.

@@ -101,6 +101,46 @@ mav::BatteryStatus battery(const BatteryStatus& status) {
     return message;
 }
 
+// As a receiver of 1000 to 2000 us would have them. The radio's driver has no raw ones.
+mav::RcChannels rc_channels(const MavlinkPorts& ports) {
+    const auto stick = [](float value) {
+        return math::saturate<uint16_t>(1500.0F + 500.0F * math::clamp(value, -1.0F, 1.0F));
+    };
+    const ManualControlSetpoint& sticks = *ports.radio;
+    mav::RcChannels message{.time_boot_ms = static_cast<uint32_t>(ports.now / 1000),
+                            .chan1_raw = stick(sticks.roll),
+                            .chan2_raw = stick(sticks.pitch),
+                            .chan3_raw = stick(sticks.throttle),
+                            .chan4_raw = stick(sticks.yaw),
+                            .chan5_raw = kUnknown16,
+                            .chan6_raw = kUnknown16,
+                            .chan7_raw = kUnknown16,
+                            .chan8_raw = kUnknown16,
+                            .chan9_raw = kUnknown16,
+                            .chan10_raw = kUnknown16,
+                            .chan11_raw = kUnknown16,
+                            .chan12_raw = kUnknown16,
+                            .chan13_raw = kUnknown16,
+                            .chan14_raw = kUnknown16,
+                            .chan15_raw = kUnknown16,
+                            .chan16_raw = kUnknown16,
+                            .chan17_raw = kUnknown16,
+                            .chan18_raw = kUnknown16,
+                            .chancount = 4,
+                            .rssi = static_cast<uint8_t>(sticks.valid ? 254 : 0)};
+    if (ports.switches) {
+        using Switch = ManualControlSwitches;
+        const Switch& s = *ports.switches;
+        const auto on = [](bool is_on) -> uint16_t { return is_on ? 2000 : 1000; };
+        message.chan5_raw = static_cast<uint16_t>(900 + 165 * std::clamp<int>(s.mode_slot, 1, 6));
+        message.chan6_raw = on(s.arm_switch == Switch::ArmSwitch::kOn);
+        message.chan7_raw = on(s.return_switch == Switch::ReturnSwitch::kOn);
+        message.chan8_raw = on(s.kill_switch == Switch::KillSwitch::kOn);
+        message.chancount = 8;
+    }
+    return message;
+}
+
 mav::LocalPositionNed local_position(const VehicleLocalPosition& p, uint32_t boot_ms) {
     return {
         .time_boot_ms = boot_ms, .x = p.x, .y = p.y, .z = p.z, .vx = p.vx, .vy = p.vy, .vz = p.vz};
@@ -398,6 +438,25 @@ void Telemetry::tell_mode(unsigned number, Link& link) {
     link.send(message);
 }
 
+// Of a circle in hold: one in a mission is the mission's.
+Told Telemetry::tell_orbit(Link& link, const MavlinkPorts& ports) const {
+    const bool flies_one = ports.goal && ports.goal->kind == GotoSetpoint::Kind::kCircle &&
+                           ports.status && is_armed(ports) &&
+                           ports.status->nav_state == VehicleStatus::NavState::kHold;
+    if (!flies_one || !knows_earth_) return Told::kNothing;
+    const auto& centre_N = ports.goal->position;
+    const auto at =
+        frame_.from_local({static_cast<double>(centre_N[0]), static_cast<double>(centre_N[1])});
+    return sent(link,
+                mav::OrbitExecutionStatus{
+                    .time_usec = ports.now,
+                    .radius = ports.goal->laps < 0.0F ? -ports.goal->length : ports.goal->length,
+                    .x = degrees_e7(at.latitude_deg),
+                    .y = degrees_e7(at.longitude_deg),
+                    .z = reference_altitude_ - centre_N[2],
+                    .frame = mav::mav_frame::kGlobal});
+}
+
 Told Telemetry::tell_status(uint32_t id, Link& link, const MavlinkPorts& ports) const {
     switch (id) {
         case mav::Heartbeat::kId:
@@ -438,6 +497,10 @@ Told Telemetry::tell(uint32_t id, Link& link, const MavlinkPorts& ports) const {
         case mav::BatteryStatus::kId:
         case mav::HighresImu::kId:
             return tell_sensors(id, link, ports);
+        case mav::RcChannels::kId:
+            return ports.radio ? sent(link, rc_channels(ports)) : Told::kNothing;
+        case mav::OrbitExecutionStatus::kId:
+            return tell_orbit(link, ports);
         case mav::VfrHud::kId: {
             if (!ports.position) return Told::kNothing;
             const VehicleLocalPosition& p = *ports.position;

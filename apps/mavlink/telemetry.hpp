@@ -39,6 +39,7 @@ class Telemetry {
     Told tell_position(uint32_t id, Link& link, const MavlinkPorts& ports) const;
     Told tell_attitude(uint32_t id, Link& link, const MavlinkPorts& ports) const;
     Told tell_sensors(uint32_t id, Link& link, const MavlinkPorts& ports) const;
+    Told tell_orbit(Link& link, const MavlinkPorts& ports) const;
     Told tell_status(uint32_t id, Link& link, const MavlinkPorts& ports) const;
     mav::Heartbeat heartbeat(const MavlinkPorts& ports) const;
     mav::SysStatus sys_status(const MavlinkPorts& ports) const;

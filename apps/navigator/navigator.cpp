@@ -20,6 +20,8 @@ constexpr float kPatience_s = 5.0F;
 // Below the fence's ceiling, so that noise does not reach it.
 constexpr float kBelowCeiling = 0.9F;
 constexpr float kLowestClimb = 0.5F;  // m, of a take-off
+// Laps of an orbit until it begins again: so its time stays small.
+constexpr float kLaps = 50.0F;
 
 }  // namespace
 
@@ -80,6 +82,7 @@ void Navigator::begin_mode() {
     phase_ = 0;
     in_phase_s_ = 0.0F;
     is_finished_ = false;
+    orbit_.is_on = false;
     goal_.heading = kNaN;
     start(GotoSetpoint::Kind::kStop);
     if (nav_state_ != Nav::kMission) return;
@@ -108,13 +111,43 @@ void Navigator::take_command(const NavigatorPorts& ports) {
     const bool is_takeoff = command.action == Action::kSetMode &&
                             command.nav_state == static_cast<uint8_t>(Nav::kTakeoff);
     if (is_takeoff) takeoff_z_ = command.position[2];
-    if (command.action != Action::kGo || nav_state_ != Nav::kHold) return;
+    if (nav_state_ != Nav::kHold) return;
+    if (command.action == Action::kOrbit) begin_orbit(command);
+    if (command.action != Action::kGo) return;
+    orbit_.is_on = false;
+    go(place_of(command), command.heading, {});
+}
+
+// What is not given stays where the vehicle is.
+Vector3<float> Navigator::place_of(const VehicleCommand& command) const {
     const auto or_here = [](float wish, float here) { return math::is_finite(wish) ? wish : here; };
-    // What is not given stays where the last goal was, or is.
-    const Vector3<float> place_N(or_here(command.position[0], position_N_.x()),
-                                 or_here(command.position[1], position_N_.y()),
-                                 or_here(command.position[2], position_N_.z()));
-    go(place_N, command.heading, {});
+    return {or_here(command.position[0], position_N_.x()),
+            or_here(command.position[1], position_N_.y()),
+            or_here(command.position[2], position_N_.z())};
+}
+
+// First to the nearest place of the circle.
+void Navigator::begin_orbit(const VehicleCommand& command) {
+    orbit_ = {.is_on = true,
+              .faces_centre = command.faces_centre,
+              .centre_N = place_of(command),
+              .radius = command.radius};
+    const Vector3<float> out = position_N_ - orbit_.centre_N;
+    const math::SinCos<float> bearing = math::sincos(math::atan2(out.y(), out.x()));
+    const float radius = math::abs(orbit_.radius);
+    const Vector3<float> begin_N =
+        orbit_.centre_N + Vector3<float>(radius * bearing.cos, radius * bearing.sin, 0.0F);
+    go(begin_N, kNaN, {.horizontal = command.speed});
+}
+
+void Navigator::advance_orbit() {
+    if (has_arrived_) {
+        goal_.position = math::to_array(orbit_.centre_N);
+        goal_.length = math::abs(orbit_.radius);
+        goal_.laps = orbit_.radius < 0.0F ? -kLaps : kLaps;
+        start(GotoSetpoint::Kind::kCircle);
+    }
+    if (orbit_.faces_centre) goal_.heading = heading_to(orbit_.centre_N);
 }
 
 void Navigator::advance(const NavigatorPorts& ports, float dt) {
@@ -129,6 +162,7 @@ void Navigator::advance(const NavigatorPorts& ports, float dt) {
             if (has_stopped_sinking(dt)) has_arrived_ = true;
             return advance_landing(ports);
         case Nav::kHold: {
+            if (orbit_.is_on) return advance_orbit();
             const float most = ports.params->wait_limit;
             if (waits_ && most > 0.0F && in_phase_s_ >= most) finish(Nav::kReturn);
             return;

@@ -31,6 +31,9 @@ class Navigator {
     void take_inputs(const NavigatorPorts& ports);
     void begin_mode();
     void take_command(const NavigatorPorts& ports);
+    math::Vector3<float> place_of(const VehicleCommand& command) const;
+    void begin_orbit(const VehicleCommand& command);
+    void advance_orbit();
     void go_on_with(unsigned item);
     void advance(const NavigatorPorts& ports, float dt);
     void advance_takeoff(const NavigatorPorts& ports);
@@ -91,6 +94,14 @@ class Navigator {
     unsigned first_item_ = 0;  // with which the next flight's mission begins
     // Down, of the take-off that was wished for; not a number: the parameter's height.
     float takeoff_z_ = math::canonical_nan<float>();
+    // Flown in hold, until it is left or another place is wished for.
+    struct Orbit {
+        bool is_on = false;
+        bool faces_centre = false;
+        math::Vector3<float> centre_N = math::Vector3<float>::Zero();
+        float radius = 0.0F;  // below 0: anticlockwise
+    };
+    Orbit orbit_;
     int reached_ = -1;
     uint32_t flown_id_ = 0;
     float starved_s_ = 0.0F;  // without an item that is needed

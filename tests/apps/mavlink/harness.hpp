@@ -167,6 +167,9 @@ class MavlinkTest : public ::testing::Test {
                            .downloaded = item_ ? Input(*item_) : Input<MissionItem>(),
                            .parameter = parameter_ ? Input(*parameter_) : Input<ParameterValue>(),
                            .parameter_file = piece_ ? Input(*piece_) : Input<FilePiece>(),
+                           .goal = Input(goal_),
+                           .switches = Input(switches_),
+                           .radio = has_radio_ ? Input(radio_) : Input<ManualControlSetpoint>(),
                            .printed = printed_ ? Input(*printed_) : Input<ShellText>(),
                            .notice = notice_ ? Input(*notice_) : Input<StatusText>(),
                            .calibrating = Input(calibrating_),
@@ -392,6 +395,10 @@ class MavlinkTest : public ::testing::Test {
     Mission mission_{};
     MissionResult result_{.seq_reached = -1};
     MavlinkParams params_{};
+    GotoSetpoint goal_{};
+    ManualControlSwitches switches_{};
+    ManualControlSetpoint radio_{};
+    bool has_radio_ = false;
     std::optional<VehicleCommandAck> ack_;
     bool answers_ = true;  // to commands
     VehicleCommandAck::Result result_of_commands_ = VehicleCommandAck::Result::kAccepted;

@@ -960,6 +960,56 @@ TEST_F(NavigatorTest, HoldsAtThePlaceOfACommandAndKeepsWhatIsNotGiven) {
     EXPECT_EQ(goal_.number, number);
 }
 
+TEST_F(NavigatorTest, orbits_a_place_until_something_else_is_wished_for) {
+    fly(Nav::kHold);
+    command_ = VehicleCommand{.action = VehicleCommand::Action::kOrbit,
+                              .position = {21.0F, 2.0F, -9.0F},
+                              .radius = -5.0F,
+                              .speed = 3.0F,
+                              .faces_centre = true};
+    step();
+    expect_goal(16.0F, 2.0F, -9.0F);  // the nearest place
+    EXPECT_EQ(goal_.max_horizontal_speed, 3.0F);
+    EXPECT_NEAR(goal_.heading, 0.0F, 1e-3F);
+    position_.x = 16.0F;
+    arrive();
+    step();
+    EXPECT_EQ(goal_.kind, Kind::kCircle);
+    EXPECT_EQ(goal_.position[0], 21.0F);
+    EXPECT_EQ(goal_.length, 5.0F);
+    EXPECT_LT(goal_.laps, -10.0F) << "anticlockwise";
+    position_.x = 21.0F;
+    position_.y = 7.0F;
+    step();
+    EXPECT_NEAR(goal_.heading, -math::kHalfPi<float>, 1e-3F) << "it looks at the middle";
+    const uint32_t number = goal_.number;
+    arrive();
+    step();
+    EXPECT_EQ(goal_.number, number + 1) << "after all laps it goes on";
+    EXPECT_EQ(goal_.kind, Kind::kCircle);
+    command_ = VehicleCommand{
+        .action = VehicleCommand::Action::kGo, .position = {10.0F, 0.0F, -7.0F}, .heading = kNaN};
+    step();
+    EXPECT_EQ(goal_.kind, Kind::kPosition);
+    arrive();
+    step();
+    EXPECT_EQ(goal_.kind, Kind::kPosition) << "the orbit is over";
+}
+
+TEST_F(NavigatorTest, another_mode_ends_an_orbit) {
+    fly(Nav::kHold);
+    command_ = VehicleCommand{
+        .action = VehicleCommand::Action::kOrbit, .position = {kNaN, kNaN, kNaN}, .radius = 5.0F};
+    step();
+    status_.nav_state = Nav::kPosition;
+    step();
+    status_.nav_state = Nav::kHold;
+    step();
+    arrive();
+    step();
+    EXPECT_EQ(goal_.kind, Kind::kStop);
+}
+
 TEST_F(NavigatorTest, TakesOffToTheHeightOfTheCommand) {
     run(0.5F);
     command_ = VehicleCommand{.action = VehicleCommand::Action::kSetMode,
