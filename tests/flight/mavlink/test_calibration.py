@@ -33,6 +33,16 @@ def calibrate(station: Station, *params: float) -> list[str]:
     return lines
 
 
+def turn_a_motor(station: Station) -> None:
+    """The third, for half a second. Ground stations are heard by their heartbeats."""
+    while True:
+        station.link.mav.heartbeat_send(mavlink.MAV_TYPE_GCS, 8, 0, 0, 4)
+        result = station.command(mavlink.MAV_CMD_DO_MOTOR_TEST, 3, 0, 10, 0.5, 1)
+        if result == mavlink.MAV_RESULT_ACCEPTED:
+            return
+        assert result == mavlink.MAV_RESULT_TEMPORARILY_REJECTED
+
+
 def rates_at_rest(log: ULog, begin_us: float, end_us: float) -> Any:
     gyro = log.get_dataset("sensor_gyro").data
     among = (gyro["timestamp"] >= begin_us) & (gyro["timestamp"] < end_us)
@@ -69,6 +79,9 @@ def test_gyro_and_level(tmp_path: Path) -> None:
         assert station.command(CALIBRATE, 1) == rejected, "not in flight"
         station.accept(mavlink.MAV_CMD_NAV_LAND)
         station.wait_armed(False)
+        turn_a_motor(station)
+        tested_us = station.wait("ATTITUDE").time_boot_ms * 1e3
+        station.wait("ATTITUDE", lambda a: a.time_boot_ms * 1e3 > tested_us + 3e6)
         station.close()
     assert facts["success"], facts["problems"]
     flight = ULog(str(log))
@@ -84,6 +97,13 @@ def test_gyro_and_level(tmp_path: Path) -> None:
     among = (accel["timestamp"] >= after_us) & (accel["timestamp"] < after_us + 2e6)
     for i in range(2):
         assert abs(accel[f"xyz[{i}]"][among].mean()) < 0.02
+    # The motor that was tested turned alone, and for its time.
+    motors = flight.get_dataset("actuator_motors").data
+    others = [np.isnan(motors[f"control[{other}]"]) for other in (0, 1, 3)]
+    alone = (motors["control[2]"] > 0.0) & np.all(others, axis=0)
+    times_us = motors["timestamp"][alone]
+    assert 0.3e6 < times_us[-1] - times_us[0] < 0.5e6
+    assert np.allclose(motors["control[2]"][alone], 0.1)
     replayed = subprocess.run(
         [*COMMAND, "replay", str(log)], capture_output=True, text=True, check=False
     )
