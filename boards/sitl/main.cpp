@@ -18,6 +18,7 @@
 
 #include "devices.hpp"
 #include "flight.hpp"
+#include "lockstep.hpp"
 #include "stator/host.hpp"
 #include "stator/recording.hpp"
 #include "stator/start_options.hpp"
@@ -91,18 +92,43 @@ void fly_on_without_log() {
     return false;
 }
 
-// Not faster than real time times the speed. Only the host's clock waits; the flight is the same.
-void run_paced(const world::Options& options) {
-    constexpr std::uint64_t kSlice_us = 10'000;
-    const auto begin = std::chrono::steady_clock::now();
+constexpr std::uint64_t kSlice_us = 10'000;
+
+// Flies slice by slice; `pause` comes before each of them.
+template <class Pause>
+void run_in_slices(std::uint64_t duration_us, Pause pause) {
     const auto is_over = [] { return board::is_over() || board::system0.restarts; };
-    for (std::uint64_t now_us = 0; now_us < options.duration_us && !is_over();) {
-        now_us = std::min(now_us + kSlice_us, options.duration_us);
+    for (std::uint64_t now_us = 0; now_us < duration_us && !is_over();) {
+        pause();
+        now_us = std::min(now_us + kSlice_us, duration_us);
         run_until(now_us);
-        const std::chrono::duration<double> due(static_cast<double>(now_us) * 1e-6 / options.speed);
-        std::this_thread::sleep_until(begin +
-                                      std::chrono::duration_cast<std::chrono::nanoseconds>(due));
     }
+}
+
+// Not faster than real time times the speed. Only the host's clock waits; the flight is the same.
+// What a busy machine was late is not made up for, as the vehicle's clock would then jump for who
+// talks to it.
+void run_paced(const world::Options& options) {
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::milliseconds kMostLate{50};
+    const std::chrono::duration<double> slice(static_cast<double>(kSlice_us) * 1e-6 /
+                                              options.speed);
+    auto due = Clock::now();
+    run_in_slices(options.duration_us, [&] {
+        std::this_thread::sleep_until(due);
+        due = std::max(due, Clock::now() - kMostLate) +
+              std::chrono::duration_cast<Clock::duration>(slice);
+    });
+}
+
+// The other program sees all that a slice made before the next one begins.
+void run_in_lockstep(const world::Options& options, board::Lockstep& other) {
+    bool is_first = true;
+    run_in_slices(options.duration_us, [&] {
+        if (!is_first) other.tell_done();
+        is_first = false;
+        if (other.is_open()) other.wait();
+    });
 }
 
 // Of each task, from "TASK=MICROSECONDS,...". False if one lacks its budget.
@@ -122,13 +148,16 @@ void run_paced(const world::Options& options) {
     return true;
 }
 
-Run run(const world::Options& options, const std::vector<std::uint32_t>& budgets) {
+Run run(const world::Options& options, const std::vector<std::uint32_t>& budgets,
+        board::Lockstep& lockstep) {
     // The host's clock is for the report only; nothing that is logged may depend on it.
     const auto begin = std::chrono::steady_clock::now();
     start();
     if (options.random_times) use_random_times({options.conditions.seed, kMaxRandomTime_us});
     if (!budgets.empty()) use_budgets(budgets);
-    if (options.speed > 0.0) {
+    if (lockstep.is_open()) {
+        run_in_lockstep(options, lockstep);
+    } else if (options.speed > 0.0) {
         run_paced(options);
     } else {
         run_until(options.duration_us);
@@ -210,6 +239,14 @@ int main(int count, char** arguments) {
     if (!open(options.mission, mission, "r+b")) return 2;
     if (!open_mavlink(options)) return 2;
     world::end_by_signals();
+    board::Lockstep lockstep;
+    if (options.lockstep != nullptr) {
+        const std::string wrong = lockstep.connect(options.lockstep);
+        if (!wrong.empty()) {
+            std::fprintf(stderr, "error: --lockstep '%s': %s\n", options.lockstep, wrong.c_str());
+            return 2;
+        }
+    }
     if (!silence_nodes(options.conditions.faults)) return 2;
     std::optional<board::Outside> outside;
     if (options.hil == nullptr) {
@@ -219,7 +256,7 @@ int main(int count, char** arguments) {
         if (!connect(*outside, options.hil)) return 2;
         board::prepare(*outside, mission);
     }
-    print(run(options, budgets), outside ? &*outside : nullptr);
+    print(run(options, budgets, lockstep), outside ? &*outside : nullptr);
     const bool log_written = close(options.log, board::log_storage.file,
                                    board::log_storage.errors == 0, board::log_storage.reason);
     const bool truth_written = close(options.truth, truth, board::truth_is_whole());

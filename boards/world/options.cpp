@@ -170,6 +170,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--truth") return read_path("--truth", value, options.truth);
     if (option == "--mission") return read_path("--mission", value, options.mission);
     if (option == "--mavlink") return add_mavlink(value, options);
+    if (option == "--lockstep") return read_path("--lockstep", value, options.lockstep);
     if (option == "--hil") return read_path("--hil", value, options.hil);
     if (option == "--speed") return read_speed(value, options.speed);
     if (option == "--pilot") return read_pilot(value, options.conditions.pilot);
@@ -187,6 +188,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--origin") return read_origin(value, options.conditions.earth);
     if (option == "--gusts") return read_gusts(value, options.conditions.wind.gusts);
     if (option == "--fail") return add_fault(value, options.conditions.faults);
+<<<<<<< HEAD
     std::fprintf(stderr,
                  "error: unknown option '%s'\nhint: known: --log FILE, --truth FILE, --seed N, "
                  "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
@@ -196,6 +198,17 @@ bool read_value(std::string_view option, const char* value, Options& options) {
                  "LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR, "
                  "--mavlink PLACE, --hil PLACE\n",
                  option.data());
+=======
+    std::fprintf(
+        stderr,
+        "error: unknown option '%s'\nhint: known: --log FILE, --truth FILE, --seed N, "
+        "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
+        "--wind M_S, "
+        "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
+        "--pilot FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR, "
+        "--mavlink PLACE, --hil PLACE, --lockstep SOCKET\n",
+        option.data());
+>>>>>>> fadff15 (fly: --lockstep, and the tests with a station of ours fly in it)
     return false;
 }
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-START_S = 120.0  # until the firmware is there, on a busy machine
+START_S = 1800.0  # until the firmware is there, on a busy machine
 
 
 @pytest.fixture(scope="module")

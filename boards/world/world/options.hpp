@@ -20,6 +20,8 @@ struct Options {
     std::array<const char*, 2> mavlink{};
     unsigned mavlink_count = 0;
     const char* hil = nullptr;  // the other side of a link with HIL messages; none: no such link
+    // Socket of a program that says when the flight goes on; none: it goes on by itself.
+    const char* lockstep = nullptr;
     bool random_times = false;
     const char* budgets = nullptr;  // TASK=MICROSECONDS, with commas; none: activations take none
     Conditions conditions{};

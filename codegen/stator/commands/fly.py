@@ -35,6 +35,7 @@ from stator.flight.facts import NOT_WHOLE, alone, facts_of, keep, mission_facts
 from stator.flight.hil import add_hil_argument, check_hil, complete_hil, hil_facts, hil_options
 from stator.flight.kept import keeping, kept_facts, log_of
 from stator.flight.mavlink import (
+    add_lockstep_argument,
     add_mavlink_argument,
     check_mavlink,
     complete_mavlink,
@@ -70,6 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="highest speed, as a multiple of real time (default: no limit; with --mavlink 1)",
     )
     add_mavlink_argument(parser)
+    add_lockstep_argument(parser)
     add_hil_argument(parser)
 
 

@@ -41,6 +41,16 @@ def add_mavlink_argument(parser: argparse._ActionsContainer) -> None:
     )
 
 
+def add_lockstep_argument(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "--lockstep",
+        metavar="SOCKET",
+        help="with --mavlink: fly 10 ms each time the program that listens at this Unix socket "
+        "sends a byte, and answer with a byte, so that a test does not depend on the machine's "
+        "load (docs/mavlink.md)",
+    )
+
+
 def place_of(text: str) -> str:
     """With the host written out."""
     udp = _UDP.fullmatch(text)
@@ -55,7 +65,8 @@ def place_of(text: str) -> str:
 def complete_mavlink(arguments: argparse.Namespace) -> None:
     """The defaults of a flight with MAVLink, which others fly and end."""
     if arguments.mavlink:
-        arguments.speed = arguments.speed or 1.0
+        if getattr(arguments, "lockstep", None) is None:
+            arguments.speed = arguments.speed or 1.0
         arguments.duration = arguments.duration or ENDLESS_S
         arguments.graph = arguments.graph or HOME / "graph" / "quad_outdoor.yaml"
 
@@ -63,6 +74,11 @@ def complete_mavlink(arguments: argparse.Namespace) -> None:
 def check_mavlink(arguments: argparse.Namespace) -> None:
     """Raises `UserError` if the graph cannot have these lines."""
     places: Sequence[str] = arguments.mavlink
+    if getattr(arguments, "lockstep", None) is not None:
+        if not places:
+            raise UserError("error: --lockstep: missing --mavlink\nhint: add --mavlink udp:14550")
+        if arguments.speed is not None:
+            raise UserError("error: --speed: not with --lockstep\nhint: omit --speed")
     if not places:
         return
     if len(places) > MAX_LINES:
@@ -80,7 +96,9 @@ def check_mavlink(arguments: argparse.Namespace) -> None:
 
 def mavlink_options(arguments: argparse.Namespace) -> list[str]:
     """Options of the flight program."""
-    return [word for place in arguments.mavlink for word in ("--mavlink", place)]
+    words = [word for place in arguments.mavlink for word in ("--mavlink", place)]
+    lockstep = getattr(arguments, "lockstep", None)
+    return words + (["--lockstep", lockstep] if lockstep is not None else [])
 
 
 def tell_mavlink(arguments: argparse.Namespace) -> None:

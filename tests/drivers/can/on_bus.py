@@ -133,7 +133,7 @@ def ask(node: Any, request: Any) -> Any:
 def test_candump_and_python_can_see_our_frames_in_order(link: Link) -> None:
     with can.Bus(channel=BUS, interface="socketcan") as bus:
         dump = subprocess.Popen(
-            ["candump", "-L", "-n", "400", "-T", "30000", BUS], stdout=subprocess.PIPE, text=True
+            ["candump", "-L", "-n", "400", "-T", "300000", BUS], stdout=subprocess.PIPE, text=True
         )
         seen = []
         while len(seen) < 60:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 BUS = "vcan0"
-PATIENCE_S = 30.0  # for what must happen some time
+PATIENCE_S = 300.0  # for what must happen some time
 FRAME = struct.Struct("=IB3x8s")
 FILTER = struct.Struct("=II")
 BUS_OFF, RESTARTED = 0x40, 0x100  # of linux/can/error.h

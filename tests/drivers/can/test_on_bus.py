@@ -24,7 +24,7 @@ def test_on_the_bus(link: Path) -> None:
     pytest_ = [sys.executable, "-I", "-X", "utf8", "-m", "pytest", "-q", "--no-header"]
     options = ["-p", "no:cacheprovider", "-o", "addopts=--import-mode=importlib"]
     finished = on_bus(
-        600, *pytest_, *options, HERE / "on_bus.py", options=["-p"], STATOR_LINK=str(link)
+        1800, *pytest_, *options, HERE / "on_bus.py", options=["-p"], STATOR_LINK=str(link)
     )
     print(finished.stdout)
     assert finished.returncode == 0, finished.stdout[-6000:] + finished.stderr[-2000:]

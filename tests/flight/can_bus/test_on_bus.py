@@ -79,7 +79,7 @@ def fly(
     log, truth = folder / "flight.ulg", folder / "flight.truth"
     words: list[str | Path] = [sys.executable, "-X", "utf8", "-m", BENCH, program, log, truth]
     finished = on_bus(
-        int(60 + 2 * seconds / speed),
+        int(600 + 2 * seconds / speed),
         *words,
         str(speed),
         str(seconds),

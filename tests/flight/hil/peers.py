@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 OUTDOOR = HOME / "graph" / "quad_outdoor.yaml"
 COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator"]
-HANGS_S = 120.0
+HANGS_S = 600.0
 ACCEL, GYRO, MAG, BARO = 0x7, 0x38, 0x1C0, 0x1A00  # of fields_updated
 ARMED, LOCKSTEP = mavlink.MAV_MODE_FLAG_SAFETY_ARMED, 1
 

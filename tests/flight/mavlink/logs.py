@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import TYPE_CHECKING, Any
 
 from tests.flight.mavlink.vehicle import HANGS_S
@@ -10,7 +9,7 @@ from tests.flight.mavlink.vehicle import HANGS_S
 if TYPE_CHECKING:
     from tests.flight.mavlink.vehicle import Station
 
-AGAIN_S = 0.3  # of wall time, until it asks again
+AGAIN_S = 0.3  # until it asks again
 IN_MESSAGE = 90
 
 
@@ -24,8 +23,8 @@ class LogReader:
     def entries(self) -> dict[int, Any]:
         """By number: what the vehicle lists."""
         found: dict[int, Any] = {}
-        until = time.monotonic() + HANGS_S
-        while time.monotonic() < until:
+        until = self.station.clock.time() + HANGS_S
+        while self.station.clock.time() < until:
             self.station.link.mav.log_request_list_send(1, 1, 0, 0xFFFF)
             while entry := self._heard("LOG_ENTRY"):
                 if entry.num_logs == 0:
@@ -38,10 +37,10 @@ class LogReader:
     def read(self, number: int, count: int) -> bytes:
         """Its first bytes."""
         parts: dict[int, bytes] = {}
-        until = time.monotonic() + HANGS_S
+        until = self.station.clock.time() + HANGS_S
         begin = 0
         while begin < count:
-            assert time.monotonic() < until, f"{begin} of {count} bytes"
+            assert self.station.clock.time() < until, f"{begin} of {count} bytes"
             self.station.link.mav.log_request_data_send(1, 1, number, begin, count - begin)
             while data := self._heard("LOG_DATA"):
                 if data.id == number:

@@ -1,19 +1,15 @@
 """A bad link between a vehicle and a station: datagrams get lost, change, and come with garbage.
-What happens to which one is drawn from a seed; when it happens is up to both ends."""
+What happens to which one is drawn from a seed."""
 
 from __future__ import annotations
 
 import contextlib
 import random
-import select
 import socket
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tests.flight.mavlink.vehicle import in_background
-
 if TYPE_CHECKING:
-    import threading
     from collections.abc import Iterator
 
 
@@ -42,28 +38,42 @@ def _changed(data: bytes, link: Link, draw: random.Random, *, to_vehicle: bool) 
     return arriving
 
 
-@contextlib.contextmanager
-def relay(vehicle_port: int, station_port: int, link: Link, seed: int = 1) -> Iterator[None]:
-    """Passes on between the vehicle, which sends to `vehicle_port`, and the station."""
-    draw = random.Random(seed)
-    near = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)  # to the vehicle
-    far = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    near.bind(("127.0.0.1", vehicle_port))
-    far.bind(("127.0.0.1", 0))
+class Relay:
+    """Passes on between the vehicle, which sends to `line`, and the station at a port."""
 
-    def run(ends: threading.Event) -> None:
-        vehicle: tuple[str, int] | None = None
-        while not ends.is_set():
-            for ready in select.select([near, far], [], [], 0.1)[0]:
-                with contextlib.suppress(ConnectionError):
-                    data, source = ready.recvfrom(65536)
-                    if ready is near:
-                        vehicle = source
-                    for part in _changed(data, link, draw, to_vehicle=ready is far):
-                        if ready is near:
-                            far.sendto(part, ("127.0.0.1", station_port))
-                        elif vehicle is not None:
-                            near.sendto(part, vehicle)
+    def __init__(self, station_port: int, link: Link, seed: int = 1) -> None:
+        self._draw = random.Random(seed)
+        self._link = link
+        self._near = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)  # to the vehicle
+        self._far = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        for end in (self._near, self._far):
+            end.bind(("127.0.0.1", 0))
+            end.setblocking(False)
+        self._station = ("127.0.0.1", station_port)
+        self._vehicle: tuple[str, int] | None = None
 
-    with near, far, in_background(run):
-        yield
+    def close(self) -> None:
+        self._near.close()
+        self._far.close()
+
+    @property
+    def line(self) -> str:
+        return f"udp:{self._near.getsockname()[1]}"
+
+    def pump(self) -> None:
+        """All that has arrived."""
+        for data, source in waiting(self._near):
+            self._vehicle = source
+            for part in _changed(data, self._link, self._draw, to_vehicle=False):
+                self._far.sendto(part, self._station)
+        for data, _ in waiting(self._far):
+            for part in _changed(data, self._link, self._draw, to_vehicle=True):
+                if self._vehicle is not None:
+                    self._near.sendto(part, self._vehicle)
+
+
+def waiting(end: socket.socket) -> Iterator[tuple[bytes, tuple[str, int]]]:
+    """Datagrams that have arrived, and who sent them."""
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            yield end.recvfrom(65536)

@@ -3,18 +3,15 @@ they fall silent. All times are the vehicle's."""
 
 from __future__ import annotations
 
-import contextlib
 import math
-import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pyulog import ULog
-from tests.flight.mavlink.vehicle import in_background, mavlink, met
+from tests.flight.mavlink.vehicle import mavlink, met
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from pathlib import Path
 
     from tests.flight.mavlink.vehicle import Station
@@ -22,22 +19,9 @@ if TYPE_CHECKING:
 OFFBOARD = 6 << 16
 POSITION_AND_YAW = 0x9F8
 VELOCITY_AND_YAW = 0x9C7
-SPEED = ("--speed", "3")
+SEND_S = 0.05
 HOLD, RETURN, POSITION, OFFBOARD_MODE = 4, 5, 2, 14
 RC_LOST, STATION_LOST, OFFBOARD_LOST = 7, 8, 9
-
-
-@contextlib.contextmanager
-def repeated(send: Callable[[], None], hz: float = 60.0) -> Iterator[None]:
-    """Sends in the background while the block runs, so often that a busy machine does not show."""
-
-    def run(ends: threading.Event) -> None:
-        while not ends.is_set():
-            send()
-            time.sleep(1.0 / hz)
-
-    with in_background(run):
-        yield
 
 
 class Steering:
@@ -82,13 +66,13 @@ def last_before(log: Path, name: str, time_s: float) -> float:
 
 def test_setpoints_fly_it_and_their_end_holds(tmp_path: Path) -> None:
     log = tmp_path / "offboard.ulg"
-    with met(log, *SPEED) as (station, facts):
+    with met(log) as (station, facts):
         refused = station.command(mavlink.MAV_CMD_DO_SET_MODE, 1, 6, 0)
         assert refused == mavlink.MAV_RESULT_TEMPORARILY_REJECTED
         start = station.wait("LOCAL_POSITION_NED")
         steering = Steering(station)
         steering.go(start.x, start.y, start.z - 5.0)
-        with repeated(steering.send):
+        with station.clock.repeated(steering.send, SEND_S):
             station.wait("LOCAL_POSITION_NED")
             station.accept(mavlink.MAV_CMD_DO_SET_MODE, 1, 6, 0)
             station.wait("HEARTBEAT", lambda beat: beat.custom_mode == OFFBOARD)
@@ -111,7 +95,7 @@ def test_setpoints_fly_it_and_their_end_holds(tmp_path: Path) -> None:
 
 def test_an_attitude_and_rates_are_flown(tmp_path: Path) -> None:
     log = tmp_path / "attitude.ulg"
-    with met(log, *SPEED) as (station, facts):
+    with met(log) as (station, facts):
         station.take_off()
         station.wait_mode("LOITER")
         half = math.radians(10.0) / 2.0
@@ -121,7 +105,7 @@ def test_an_attitude_and_rates_are_flown(tmp_path: Path) -> None:
         def send() -> None:
             station.link.mav.set_attitude_target_send(0, 1, 1, 7, lean, 0, 0, 0, 0.55)
 
-        with repeated(send):
+        with station.clock.repeated(send, SEND_S):
             station.wait("LOCAL_POSITION_NED")
             station.accept(mavlink.MAV_CMD_DO_SET_MODE, 1, 6, 0)
             station.wait("ATTITUDE", lambda a: abs(math.degrees(a.pitch) + 10.0) < 2.0)
@@ -136,7 +120,7 @@ def test_an_attitude_and_rates_are_flown(tmp_path: Path) -> None:
 def test_sticks_of_a_station_fly_it_and_their_silence_is_a_loss(tmp_path: Path) -> None:
     """The simulated radio is heard all the time, with its sticks in the middle."""
     log = tmp_path / "sticks.ulg"
-    with met(log, *SPEED) as (station, facts):
+    with met(log) as (station, facts):
         station.take_off()
         station.wait_mode("LOITER")
         begin = station.wait("LOCAL_POSITION_NED")
@@ -144,7 +128,7 @@ def test_sticks_of_a_station_fly_it_and_their_silence_is_a_loss(tmp_path: Path) 
         def send() -> None:
             station.link.mav.manual_control_send(1, 600, 0, 500, 0, 0)
 
-        with repeated(send):
+        with station.clock.repeated(send, SEND_S):
             station.wait("LOCAL_POSITION_NED")
             station.accept(mavlink.MAV_CMD_DO_SET_MODE, 1, 3, 0)
             station.wait(
@@ -159,7 +143,7 @@ def test_sticks_of_a_station_fly_it_and_their_silence_is_a_loss(tmp_path: Path) 
 
 def test_a_station_that_falls_silent_is_lost(tmp_path: Path) -> None:
     log = tmp_path / "station.ulg"
-    with met(log, *SPEED) as (station, facts):
+    with met(log) as (station, facts):
         mav = station.link.mav
         for name, value in ((b"NAV_DLL_ACT", 2), (b"COM_DL_LOSS_T", 5)):
             real = name == b"COM_DL_LOSS_T"
@@ -170,7 +154,7 @@ def test_a_station_that_falls_silent_is_lost(tmp_path: Path) -> None:
         def send() -> None:
             mav.heartbeat_send(mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, 4)
 
-        with repeated(send, hz=10.0):
+        with station.clock.repeated(send, 0.5):
             station.take_off()
             station.wait_mode("LOITER")
         station.wait_mode("RTL")

@@ -138,7 +138,7 @@ def check_nothing_is_written(files: Files, folder: Path) -> None:
 
 def test_files_and_logs_which_replay(tmp_path: Path) -> None:
     log = tmp_path / "files.ulg"
-    with met(log, "--speed", "5") as (station, facts):
+    with met(log) as (station, facts):
         files = Files(station)
         check_tree(files)
         check_metadata(station, files, tmp_path)

@@ -7,7 +7,16 @@ import subprocess
 from typing import TYPE_CHECKING
 
 import pytest
-from tests.flight.mavlink.vehicle import COMMAND, HANGS_S, NAN, OUTDOOR, Station, flying, free_port
+from tests.flight.mavlink.vehicle import (
+    COMMAND,
+    HANGS_S,
+    NAN,
+    OUTDOOR,
+    Station,
+    flying,
+    free_port,
+    met,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,13 +27,10 @@ SPEED = ("--speed", "5")
 
 
 def test_a_flight_by_commands_which_replays(tmp_path: Path) -> None:
-    port = free_port()
     log = tmp_path / "flight.ulg"
-    with flying(log, "--mavlink", f"udp:{port}", *SPEED) as facts:
-        station = Station(f"udpin:127.0.0.1:{port}")
-        beat = station.connect()
+    with met(log) as (station, facts):
+        beat = station.wait("HEARTBEAT")
         assert (beat.autopilot, beat.type) == (mavlink.MAV_AUTOPILOT_PX4, 2)
-        station.wait_until_armable()
         assert station.command(31999) == mavlink.MAV_RESULT_UNSUPPORTED
         station.take_off()
         refused = station.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)
@@ -46,7 +52,6 @@ def test_a_flight_by_commands_which_replays(tmp_path: Path) -> None:
         station.take_off()  # again
         station.accept(mavlink.MAV_CMD_NAV_LAND)
         station.wait_armed(False)
-        station.close()
     assert facts["success"], facts["reason"]
     assert facts["refused_publications"] == 0
     replayed = subprocess.run(
@@ -95,6 +100,30 @@ def test_a_graph_without_the_app_is_refused() -> None:
     )
     assert finished.returncode == 2
     assert "error: missing node of app 'mavlink' in graph/quad.yaml" in finished.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        (["--lockstep", "s"], "error: --lockstep: missing --mavlink\n"),
+        (["--mavlink", "udp:14550", "--lockstep", "s", "--speed", "2"], "error: --speed: not with"),
+        (["--mavlink", "udp:14550", "--lockstep", "/none"], "--lockstep '/none': No such file"),
+        (["--mavlink", "udp:14550", "--lockstep", "x" * 200], "expected a path of at most 107"),
+    ],
+)
+def test_a_lockstep_that_cannot_be_is_an_error(options: list[str], error: str) -> None:
+    command = [*COMMAND, "fly", str(OUTDOOR), *options]
+    finished = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert finished.returncode == 2
+    assert error in finished.stderr
+
+
+def test_two_flights_in_lockstep_are_equal(tmp_path: Path) -> None:
+    logs = [tmp_path / name for name in ("one.ulg", "two.ulg")]
+    for log in logs:
+        with met(log) as (station, _):
+            station.take_off()
+    assert logs[0].read_bytes() == logs[1].read_bytes()
 
 
 def test_a_client_of_a_listening_port(tmp_path: Path) -> None:

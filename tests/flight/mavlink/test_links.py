@@ -3,27 +3,26 @@ same. How long it takes is tested in virtual time, in tests/apps/mavlink."""
 
 from __future__ import annotations
 
-import contextlib
 import random
 import re
 import socket
 import subprocess
-import threading
-import time
+from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
 from pymavlink.generator.mavcrc import x25crc
 from pyulog import ULog
 from tests.flight.mavlink.logs import LogReader
-from tests.flight.mavlink.relay import Link, relay
+from tests.flight.mavlink.relay import Link, Relay, waiting
 from tests.flight.mavlink.vehicle import (
     HANGS_S,
     NAN,
     OUTDOOR,
+    STEP_S,
     Item,
+    Lockstep,
     Station,
     flying,
-    free_port,
     mavlink,
 )
 
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 BAD = Link(lost=0.1, garbage=0.05, flipped=0.02, twice=0.05)
 RELATIVE = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
 LOG_BYTES = 9216
-AGAIN_S = 0.15  # of wall time, until a client asks again
+AGAIN_S = 0.3  # until a client asks again
 
 
 class Patient(Station):
@@ -46,9 +45,9 @@ class Patient(Station):
         return self.link.recv_match(type=kinds, blocking=True, timeout=AGAIN_S)
 
     def upload(self, items: list[Item], kind: int = 0) -> Any:
-        until = time.monotonic() + HANGS_S
+        until = self.clock.time() + HANGS_S
         asked = None
-        while time.monotonic() < until:
+        while self.clock.time() < until:
             if asked is None:
                 self.link.mav.mission_count_send(1, 1, len(items), kind)
             else:
@@ -63,8 +62,8 @@ class Patient(Station):
         raise AssertionError("no MISSION_ACK")
 
     def ask(self, send: Any, kind: str, wanted: Any) -> Any:
-        until = time.monotonic() + HANGS_S
-        while time.monotonic() < until:
+        until = self.clock.time() + HANGS_S
+        while self.clock.time() < until:
             send()
             told = self.heard([kind])
             if told is not None and wanted(told):
@@ -87,10 +86,10 @@ class Patient(Station):
 
     def parameters(self) -> dict[int, Any]:
         """By index: the list, and then each that is missing."""
-        until = time.monotonic() + HANGS_S
+        until = self.clock.time() + HANGS_S
         values: dict[int, Any] = {}
         self.link.param_fetch_all()
-        while time.monotonic() < until:
+        while self.clock.time() < until:
             value = self.heard(["PARAM_VALUE"])
             if value is not None:
                 if value.param_index != 65535:
@@ -105,36 +104,46 @@ class Patient(Station):
         raise AssertionError("not all parameters")
 
 
+def exchange(station: Patient) -> bytes:
+    """All parameters, a hundred items, and the beginning of the log, which it returns."""
+    station.connect()
+    station.wait_until_armable()
+    values = station.parameters()
+    ids = [values[i].param_id for i in range(len(values))]
+    assert ids == sorted(ids)
+    assert len(ids) > 100
+    items: list[Item] = [
+        (RELATIVE, 16, 0.0, 2.0, 0.0, NAN, *station.place(0.5 * i, 1.0), 6.0 + i)
+        for i in range(100)
+    ]
+    assert station.upload(items).type == mavlink.MAV_MISSION_ACCEPTED
+    back = station.download()
+    assert [(i.frame, i.command, i.x, i.y, i.z) for i in back] == [
+        (item[0], item[1], item[6], item[7], item[8]) for item in items
+    ]
+    logs = LogReader(station)
+    assert list(logs.entries()) == [0]
+    return logs.read(0, LOG_BYTES)
+
+
 def test_a_bad_link_loses_nothing(tmp_path: Path) -> None:
-    port, own = free_port(), free_port()
-    flown = flying(tmp_path / "bad.ulg", "--mavlink", f"udp:{port}", "--speed", "2")
-    with relay(port, own, BAD), flown as facts:
-        station = Patient(f"udpin:127.0.0.1:{own}")
-        station.connect()
-        station.wait_until_armable()
-        values = station.parameters()
-        ids = [values[i].param_id for i in range(len(values))]
-        assert ids == sorted(ids)
-        assert len(ids) > 100
-        items: list[Item] = [
-            (RELATIVE, 16, 0.0, 2.0, 0.0, NAN, *station.place(0.5 * i, 1.0), 6.0 + i)
-            for i in range(100)
-        ]
-        assert station.upload(items).type == mavlink.MAV_MISSION_ACCEPTED
-        back = station.download()
-        assert [(i.frame, i.command, i.x, i.y, i.z) for i in back] == [
-            (item[0], item[1], item[6], item[7], item[8]) for item in items
-        ]
-        logs = LogReader(station)
-        assert list(logs.entries()) == [0]
-        part = logs.read(0, LOG_BYTES)
-        station.close()
-    assert part == (tmp_path / "bad.ulg").read_bytes()[:LOG_BYTES]
+    log = tmp_path / "bad.ulg"
+    with (
+        Lockstep() as clock,
+        closing(Patient(clock=clock)) as station,
+        closing(Relay(station.port, BAD)) as relay,
+        flying(log, "--mavlink", relay.line, clock=clock) as facts,
+    ):
+        clock.pumps.append(relay.pump)
+        part = exchange(station)
+    assert part == log.read_bytes()[:LOG_BYTES]
     assert facts["success"], facts["reason"]
     assert facts["refused_publications"] == 0
 
 
 HEARTBEAT = re.compile(rb"\xfd\x09\x00\x00.\x01\x01\x00\x00\x00", re.DOTALL)  # of system 1
+DURATION_S = 36
+FRAMES = 8  # of each listener, in a step
 # Seconds, four sticks, mode slot, and the switches arm, return and kill: a flight in altitude
 # and position mode, hold, and a landing.
 PILOT = """
@@ -176,44 +185,40 @@ def traffic(draw: random.Random) -> bytes:
 
 def flown(folder: Path, name: str, *, noisy: bool) -> dict[str, Any]:
     """Topics of the flight by sticks, and what was received."""
-    ports = [free_port(), free_port()]
     pilot = folder / "pilot.txt"
     pilot.write_text(PILOT)
     log = folder / f"{name}.ulg"
-    lines = [word for port in ports for word in ("--mavlink", f"udp:{port}")]
-    program = [build(OUTDOOR, "sitl"), "--log", log, "--duration", "36", "--pilot", pilot]
-    listeners = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in ports]
-    for listener, port in zip(listeners, ports, strict=True):
-        listener.bind(("127.0.0.1", port))
-    ends = threading.Event()
     beats = [0, 0]
+    with Lockstep() as clock:
+        listeners = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in beats]
+        draws = [random.Random(seed) for seed in range(len(beats))]
+        vehicles: list[Any] = [None, None]
+        for listener in listeners:
+            listener.bind(("127.0.0.1", 0))
+            listener.setblocking(False)
 
-    def disturb(listener: socket.socket, seed: int) -> None:
-        draw = random.Random(seed)
-        _, vehicle = listener.recvfrom(65536)
-        listener.setblocking(False)
-        while not ends.is_set():
-            for _ in range(15):
-                listener.sendto(traffic(draw), vehicle)
-            time.sleep(0.005)
-            with contextlib.suppress(BlockingIOError):
-                while True:
-                    beats[seed] += len(HEARTBEAT.findall(listener.recv(65536)))
+        def disturb() -> None:
+            for i, listener in enumerate(listeners):
+                for data, vehicles[i] in waiting(listener):
+                    beats[i] += len(HEARTBEAT.findall(data))
+                if vehicles[i] is None or not noisy:
+                    continue
+                for _ in range(FRAMES):
+                    listener.sendto(traffic(draws[i]), vehicles[i])
 
-    threads = [
-        threading.Thread(target=disturb, args=(listener, seed), daemon=True)
-        for seed, listener in enumerate(listeners)
-        if noisy
-    ]
-    for thread in threads:
-        thread.start()
-    subprocess.run([*program, *lines, "--speed", "4"], check=True, capture_output=True)
-    ends.set()
-    for thread in threads:
-        thread.join(1.0)
-    for listener in listeners:
-        listener.close()
-    assert not noisy or min(beats) >= 34, beats
+        command = [build(OUTDOOR, "sitl"), "--log", log, "--duration", str(DURATION_S)]
+        command += ["--pilot", pilot, "--lockstep", clock.path]
+        for listener in listeners:
+            command += ["--mavlink", f"udp:{listener.getsockname()[1]}"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as clock.flight:
+            with clock.repeated(disturb, STEP_S):
+                for _ in range(round(DURATION_S / STEP_S) - 1):
+                    clock.go()
+            clock.leave()
+        for listener in listeners:
+            listener.close()
+    assert clock.flight.returncode == 0
+    assert min(beats) >= DURATION_S - 2, beats
     return {data.name: data.data for data in ULog(str(log)).data_list}
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pyulog import ULog
-from tests.flight.mavlink.vehicle import NAN, Item, Station, flying, free_port, mavlink
+from tests.flight.mavlink.vehicle import NAN, mavlink, met
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.flight.mavlink.vehicle import Item, Station
 
 RELATIVE = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
 
@@ -24,12 +26,8 @@ def square(station: Station) -> list[Item]:
 
 
 def test_plans_go_there_and_back_and_a_mission_is_flown(tmp_path: Path) -> None:
-    port = free_port()
     log = tmp_path / "mission.ulg"
-    with flying(log, "--mavlink", f"udp:{port}", "--speed", "5") as facts:
-        station = Station(f"udpin:127.0.0.1:{port}")
-        station.connect()
-        station.wait_until_armable()
+    with met(log) as (station, facts):
         corners = [station.place(*at) for at in ((-90.0, -90.0), (90.0, -90.0), (90.0, 90.0))]
         fence: list[Item] = [(0, 5001, 3.0, 0.0, 0.0, 0.0, *corner, 0.0) for corner in corners]
         assert station.upload(fence, 1).type == mavlink.MAV_MISSION_ACCEPTED
@@ -62,7 +60,6 @@ def test_plans_go_there_and_back_and_a_mission_is_flown(tmp_path: Path) -> None:
             station.wait_mode("MISSION")
         station.wait_mode("RTL")
         station.wait_armed(False)
-        station.close()
     assert facts["success"], facts["reason"]
     assert facts["refused_publications"] == 0
     result = next(d.data for d in ULog(str(log)).data_list if d.name == "mission_result")
@@ -71,11 +68,7 @@ def test_plans_go_there_and_back_and_a_mission_is_flown(tmp_path: Path) -> None:
 
 def test_a_hundred_items(tmp_path: Path) -> None:
     """As many as a vehicle keeps go there and back through the mission's file."""
-    port = free_port()
-    with flying(tmp_path / "items.ulg", "--mavlink", f"udp:{port}", "--speed", "2") as facts:
-        station = Station(f"udpin:127.0.0.1:{port}")
-        station.connect()
-        station.wait_until_armable()
+    with met(tmp_path / "items.ulg") as (station, facts):
         items: list[Item] = [
             (RELATIVE, 16, 0.0, 2.0, 0.0, NAN, *station.place(0.5 * i, 1.0), 6.0)
             for i in range(100)
@@ -83,5 +76,4 @@ def test_a_hundred_items(tmp_path: Path) -> None:
         assert station.upload(items).type == mavlink.MAV_MISSION_ACCEPTED
         back = station.download()
         assert [(item.x, item.y) for item in back] == [(item[6], item[7]) for item in items]
-        station.close()
     assert facts["success"], facts["reason"]

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from pymavlink import mavparm
-from tests.flight.mavlink.vehicle import NAN, Station, flying, free_port, mavlink
+from tests.flight.mavlink.vehicle import NAN, mavlink, met
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.flight.mavlink.vehicle import Station
 
 TAKE_OFF = "MIS_TAKEOFF_ALT"
 
@@ -36,11 +38,7 @@ def hash_of(values: list[Any]) -> int:
 
 
 def test_parameters(tmp_path: Path) -> None:
-    port = free_port()
-    with flying(tmp_path / "params.ulg", "--mavlink", f"udp:{port}", "--speed", "5") as facts:
-        station = Station(f"udpin:127.0.0.1:{port}")
-        station.connect()
-        station.wait_until_armable()
+    with met(tmp_path / "params.ulg") as (station, facts):
         begin_ms = station.wait("ATTITUDE").time_boot_ms
         station.link.param_fetch_all()
         values: dict[int, Any] = {}
@@ -75,5 +73,4 @@ def test_parameters(tmp_path: Path) -> None:
         station.wait("GLOBAL_POSITION_INT", lambda p: p.relative_alt > 8500)
         station.accept(mavlink.MAV_CMD_NAV_LAND)
         station.wait_armed(False)
-        station.close()
     assert facts["success"], facts["reason"]

@@ -10,7 +10,15 @@ import subprocess
 import time
 from typing import TYPE_CHECKING
 
-from tests.flight.mavlink.vehicle import COMMAND, HANGS_S, Station, flying, free_port, mavlink
+from tests.flight.mavlink.vehicle import (
+    COMMAND,
+    HANGS_S,
+    Lockstep,
+    Station,
+    flying,
+    free_port,
+    mavlink,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -46,37 +54,40 @@ def say(station: Station, line: str) -> str:
     return text.removeprefix(f"{line}\n").removesuffix("> ")
 
 
+def consoles(first: Station, second: Station) -> None:
+    for station in (first, second):
+        station.connect()
+        type_text(station, "")
+        assert read_until(station, "> ") == "> "
+
+    tasks = say(first, "top").splitlines()
+    assert tasks[0].split()[:4] == ["lev", "task", "count", "/s"]
+    rate_control = next(line.split() for line in tasks if "rate_control" in line)
+    assert 900 <= int(rate_control[3]) <= 1010  # of 1 kHz, since the start
+    assert any(line.split()[1] == "shell" for line in tasks[1:])
+
+    for station in (first, second):
+        type_text(station, "listener vehicle_status\nparam get MIS_TAKEOFF_ALT\n")
+    for station in (first, second):
+        sample = read_until(station, "\n> ")
+        assert re.search(r"^  nav_state: \d+$", sample, re.MULTILINE), sample
+        assert re.search(r"\* ?MIS_TAKEOFF_ALT|  MIS_TAKEOFF_ALT", read_until(station, "\n> "))
+    assert "out of range" in say(first, "param set MIS_TAKEOFF_ALT -7")
+    assert "7.5" in say(second, "param set MIS_TAKEOFF_ALT 7.5")
+    first.link.mav.param_request_read_send(1, 1, b"MIS_TAKEOFF_ALT", -1)
+    first.wait("PARAM_VALUE", lambda value: value.param_value == 7.5)
+    assert len(say(first, "param list MPC_").splitlines()) > 5
+    assert "unknown topic" in say(first, "listener nothing")
+
+
 def test_consoles_of_two_stations(tmp_path: Path) -> None:
     """They ask at once, and each gets its own answers; a recording of it replays."""
-    first_port, second_port = free_port(), free_port()
-    places = ["--mavlink", f"udp:{first_port}", "--mavlink", f"udp:{second_port}"]
     log = tmp_path / "shell.ulg"
-    with flying(log, *places, "--speed", "5"):
-        first = Station(f"udpin:127.0.0.1:{first_port}")
-        second = Station(f"udpin:127.0.0.1:{second_port}", 251)
-        for station in (first, second):
-            station.connect()
-            type_text(station, "")
-            assert read_until(station, "> ") == "> "
-
-        tasks = say(first, "top").splitlines()
-        assert tasks[0].split()[:4] == ["lev", "task", "count", "/s"]
-        rate_control = next(line.split() for line in tasks if "rate_control" in line)
-        assert 900 <= int(rate_control[3]) <= 1010  # of 1 kHz, since the start
-        assert any(line.split()[1] == "shell" for line in tasks[1:])
-
-        for station in (first, second):
-            type_text(station, "listener vehicle_status\nparam get MIS_TAKEOFF_ALT\n")
-        for station in (first, second):
-            sample = read_until(station, "\n> ")
-            assert re.search(r"^  nav_state: \d+$", sample, re.MULTILINE), sample
-            assert re.search(r"\* ?MIS_TAKEOFF_ALT|  MIS_TAKEOFF_ALT", read_until(station, "\n> "))
-        assert "out of range" in say(first, "param set MIS_TAKEOFF_ALT -7")
-        assert "7.5" in say(second, "param set MIS_TAKEOFF_ALT 7.5")
-        first.link.mav.param_request_read_send(1, 1, b"MIS_TAKEOFF_ALT", -1)
-        first.wait("PARAM_VALUE", lambda value: value.param_value == 7.5)
-        assert len(say(first, "param list MPC_").splitlines()) > 5
-        assert "unknown topic" in say(first, "listener nothing")
+    with Lockstep() as clock:
+        first, second = Station(clock=clock), Station(system=251, clock=clock)
+        lines = ["--mavlink", first.line, "--mavlink", second.line]
+        with flying(log, *lines, clock=clock):
+            consoles(first, second)
         first.close()
         second.close()
     replay = [*COMMAND, "replay", str(log)]

@@ -1,6 +1,8 @@
-"""A simulated vehicle with MAVLink, and a ground station of pymavlink, for tests. All times of the
-vehicle are of its own clock, from its messages and its log; limits in wall time only end what
-hangs."""
+"""A simulated vehicle with MAVLink, and a ground station of pymavlink, for tests.
+
+Vehicle and station share one clock, the vehicle's: it goes on while the station waits, 10 ms at a
+time (`--lockstep`), so that no test depends on how fast the machine is. Clients that live by the
+machine's own clock fly at `--speed`; limits in wall time only end what hangs."""
 
 from __future__ import annotations
 
@@ -8,18 +10,19 @@ import contextlib
 import json
 import math
 import os
+import random
 import signal
 import socket
 import subprocess
 import sys
-import threading
+import tempfile
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 os.environ["MAVLINK20"] = "1"  # before pymavlink is imported
 
-from pymavlink import mavutil
+from pymavlink import mavftp, mavparm, mavutil
 from pymavlink.dialects.v20 import common as mavlink
 
 from stator import HOME
@@ -29,27 +32,117 @@ if TYPE_CHECKING:
 
 OUTDOOR = HOME / "graph" / "quad_outdoor.yaml"
 COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator"]
+<<<<<<< HEAD
 HANGS_S = 120.0  # of wall time
 BUILDS_S = 10.0 * HANGS_S  # a vehicle that is not built yet
+=======
+HANGS_S = 600.0
+START_S = 1800.0  # of wall time, until the vehicle is built and flies
+STEP_S = 0.01  # boards/sitl/main.cpp
+>>>>>>> fadff15 (fly: --lockstep, and the tests with a station of ours fly in it)
 NAN = math.nan
 
 
 def free_port(kind: socket.SocketKind = socket.SOCK_DGRAM) -> int:
-    """A port that nothing uses."""
-    with socket.socket(socket.AF_INET, kind) as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
+    """A port that nothing uses, and that the system gives to nobody who asks for any."""
+    while True:
+        port = random.SystemRandom().randrange(10_000, 32_000)
+        with socket.socket(socket.AF_INET, kind) as probe, contextlib.suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
+
+
+class Lockstep:
+    """The clock of a vehicle that waits for its station; stands in for the module `time`."""
+
+    def __init__(self) -> None:
+        self.steps = 0
+        self.flight: subprocess.Popen[str] | None = None
+        self.pumps: list[Callable[[], None]] = []  # of what is between vehicle and station
+        self._repeated: list[tuple[int, Callable[[], None]]] = []
+        self._vehicle: socket.socket | None = None
+
+    def __enter__(self) -> Lockstep:
+        self._folder = tempfile.TemporaryDirectory(prefix="step-")
+        self.path = f"{self._folder.name}/s"
+        self._server = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self._server.bind(self.path)
+        self._server.listen(1)
+        self._server.settimeout(1.0)
+        for module in (mavutil, mavftp, mavparm):
+            module.time = self
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for module in (mavutil, mavftp, mavparm):
+            module.time = time
+        self._server.close()
+        self.leave()
+        self._folder.cleanup()
+
+    def leave(self) -> None:
+        """The flight goes on by itself."""
+        if self._vehicle is not None:
+            self._vehicle.close()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(time, name)
+
+    def time(self) -> float:
+        return self.steps * STEP_S
+
+    def sleep(self, seconds: float) -> None:
+        for _ in range(round(seconds / STEP_S)):
+            self.go()
+
+    def go(self) -> None:
+        """One step. All that the vehicle sends in it has arrived."""
+        vehicle = self._vehicle or self._meet()
+        for period, send in self._repeated:
+            if self.steps % period == 0:
+                send()
+        for pump in self.pumps:
+            pump()
+        self.steps += 1
+        vehicle.sendall(b".")
+        assert vehicle.recv(1), "the flight has ended"
+        for pump in self.pumps:
+            pump()
+
+    def _meet(self) -> socket.socket:
+        until = time.monotonic() + START_S
+        while self._vehicle is None:
+            assert self.flight is not None and self.flight.poll() is None, "nothing flies"
+            assert time.monotonic() < until
+            with contextlib.suppress(TimeoutError):
+                self._vehicle = self._server.accept()[0]
+        self._vehicle.settimeout(HANGS_S)
+        return self._vehicle
+
+    @contextlib.contextmanager
+    def repeated(self, send: Callable[[], None], every_s: float) -> Iterator[None]:
+        """Sends while the block runs."""
+        row = (round(every_s / STEP_S), send)
+        self._repeated.append(row)
+        try:
+            yield
+        finally:
+            self._repeated.remove(row)
 
 
 @contextlib.contextmanager
-def flying(log: Path, *options: str, how: str = "fly") -> Iterator[dict[str, Any]]:
+def flying(
+    log: Path, *options: str, how: str = "fly", clock: Lockstep | None = None
+) -> Iterator[dict[str, Any]]:
     """A flight in the background, which ends with the block. Then the result has its facts.
     `how`: the command."""
     result: dict[str, Any] = {}
-    command = [*COMMAND, how, str(OUTDOOR), *options, "-o", str(log), "--json"]
+    steps = ["--lockstep", clock.path] if clock else []
+    command = [*COMMAND, how, str(OUTDOOR), *options, *steps, "-o", str(log), "--json"]
     pipe = subprocess.PIPE
     with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process:
+        if clock:
+            clock.flight = process
         try:
             yield result
         finally:
@@ -59,24 +152,15 @@ def flying(log: Path, *options: str, how: str = "fly") -> Iterator[dict[str, Any
     result |= json.loads(output)
 
 
-@contextlib.contextmanager
-def in_background(work: Callable[[threading.Event], None]) -> Iterator[None]:
-    """Runs a function beside the block. It returns once its event is set, at the block's end."""
-    ends = threading.Event()
-    thread = threading.Thread(target=work, args=(ends,))
-    thread.start()
-    try:
-        yield
-    finally:
-        ends.set()
-        thread.join()
-
-
 def wait_until_it_talks(port: int) -> None:
     """A vehicle that is not built yet takes its time, which no client waits for."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", port))
+<<<<<<< HEAD
         probe.settimeout(BUILDS_S)
+=======
+        probe.settimeout(START_S)
+>>>>>>> fadff15 (fly: --lockstep, and the tests with a station of ours fly in it)
         probe.recv(1)
 
 
@@ -87,20 +171,50 @@ Item = tuple[int, int, float, float, float, float, int, int, float]
 class Station:
     """A ground station."""
 
-    def __init__(self, url: str, system: int = 250) -> None:
+    def __init__(
+        self, url: str = "udpin:127.0.0.1:0", system: int = 250, clock: Lockstep | None = None
+    ) -> None:
         self.link = mavutil.mavlink_connection(
             url,
             source_system=system,
             source_component=190,
             dialect="common",
-            retries=int(HANGS_S),  # one a second, until the vehicle listens
+            retries=int(START_S),  # one a second, until the vehicle listens
         )
+        self.clock = clock or time
+        if clock:
+            self._wait_in_step(clock)
         self.system = system
         self.home: Any = None
+
+    def _wait_in_step(self, clock: Lockstep) -> None:
+        """Whenever it looks for a message and finds none, the vehicle flies on."""
+        receive = self.link.recv_msg
+
+        def receive_in_step() -> Any:
+            message = receive()
+            if message is None:
+                clock.go()
+                message = receive()
+            return message
+
+        self.link.recv_msg = receive_in_step
+        self.link.select = lambda _: True
+
+    @property
+    def port(self) -> int:
+        number: int = self.link.port.getsockname()[1]
+        return number
+
+    @property
+    def line(self) -> str:
+        """Where the vehicle is to send."""
+        return f"udp:{self.port}"
 
     def close(self) -> None:
         self.link.close()
 
+<<<<<<< HEAD
     def wait(
         self,
         kind: str | list[str],
@@ -109,6 +223,11 @@ class Station:
     ) -> Any:
         until = time.monotonic() + limit_s
         while time.monotonic() < until:
+=======
+    def wait(self, kind: str | list[str], wanted: Callable[[Any], bool] = lambda _: True) -> Any:
+        until = self.clock.time() + HANGS_S
+        while self.clock.time() < until:
+>>>>>>> fadff15 (fly: --lockstep, and the tests with a station of ours fly in it)
             message = self.link.recv_match(type=kind, blocking=True, timeout=0.2)
             if message is not None and wanted(message):
                 return message
@@ -181,14 +300,15 @@ class Station:
 
 
 @contextlib.contextmanager
-def met(log: Path, *options: str) -> Iterator[tuple[Station, dict[str, Any]]]:
+def met(
+    log: Path, *options: str, kind: type[Station] = Station
+) -> Iterator[tuple[Any, dict[str, Any]]]:
     """A flight, and a station that has waited until the vehicle can be armed."""
-    port = free_port()
-    with flying(log, "--mavlink", f"udp:{port}", *options) as facts:
-        station = Station(f"udpin:127.0.0.1:{port}")
+    with (
+        Lockstep() as clock,
+        contextlib.closing(kind(clock=clock)) as station,
+        flying(log, "--mavlink", station.line, *options, clock=clock) as facts,
+    ):
         station.connect()
         station.wait_until_armable()
-        try:
-            yield station, facts
-        finally:
-            station.close()
+        yield station, facts

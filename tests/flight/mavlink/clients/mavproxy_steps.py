@@ -11,7 +11,7 @@ from pathlib import Path
 import MAVProxy
 import pexpect
 
-HANGS_S = 60  # of wall time
+HANGS_S = 600  # of wall time
 PROGRAM = next(
     path
     for path in (Path(MAVProxy.__path__[0]).parent / "bin", Path(sys.executable).parent)

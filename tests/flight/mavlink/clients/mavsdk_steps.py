@@ -30,7 +30,7 @@ from mavsdk.plugins.telemetry import FlightMode, LandedState
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Awaitable, Callable
 
-HANGS_S = 60.0  # of wall time
+HANGS_S = 600.0  # of wall time
 NAN = math.nan
 M_PER_DEG = 111319.5
 

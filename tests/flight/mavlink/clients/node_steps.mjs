@@ -8,7 +8,7 @@ const { common, minimal, standard } = mavlink
 // Releases differ in which of these a message is.
 const types = { ...common, ...minimal, ...standard }
 const registry = { ...minimal.REGISTRY, ...standard?.REGISTRY, ...common.REGISTRY }
-const HANGS_MS = 60000
+const HANGS_MS = 600000
 
 const socket = dgram.createSocket('udp4')
 const stream = new PassThrough()
