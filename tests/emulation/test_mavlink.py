@@ -55,7 +55,7 @@ def test_parameters_of_the_firmware(tmp_path: Path, capsys: pytest.CaptureFixtur
         assert sorted(ids) == list(range(count))
 
         setter = mavparm.MAVParmDict()
-        assert setter.mavset(station.link, TAKE_OFF, 9.0, parm_type=9)
+        assert setter.mavset(station.link, TAKE_OFF, 9.0, retries=600, parm_type=9)
         station.link.mav.param_set_send(1, 1, TAKE_OFF.encode(), 1e9, 9)
         refused = station.wait("PARAM_ERROR")
         assert refused.error == mavlink.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE

@@ -11,7 +11,7 @@ from stator.build.cmake import NO_WALLS, build
 from stator.emulator.qemu import qemu_command
 
 GRAPH = HOME / "tests" / "emulation" / "graphs" / "order.yaml"
-LIMIT_S = 60  # of a program that takes milliseconds; on a hang
+LIMIT_S = 600  # of a program that takes milliseconds; on a hang
 # A blank is a whole millisecond of the board, whose clock starts a little after the graph. Letters
 # are nodes (graphs/order.yaml); ^ and _ are lines, a point the timer, M a switch of modes.
 EXPECTED = [

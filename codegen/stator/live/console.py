@@ -25,6 +25,8 @@ QUIET_S = 5.0  # without an answer, once all is typed
 LOOK_S = 0.02
 HEARTBEAT_S = 1.0
 SILENT_S = 2.0  # then the next line is sent
+# Between two looks. A machine that stalls for longer stalls the vehicle, too: it was not silent.
+MOST_LOOK_S = 0.1
 
 
 def talk(place: str) -> None:
@@ -104,18 +106,20 @@ class _Session:
         self.echo = _Echo(is_terminal=sys.stdin.isatty())
         self.waiting = b""  # typed, not sent
         self.sent = 0  # lines
-        self.heard_s = time.monotonic()
-        self.beat_s = 0.0
+        self.now_s = 0.0
+        self.looked_s = time.monotonic()
+        self.heard_s = 0.0
+        self.beat_s = -HEARTBEAT_S
 
     def run(self) -> None:
         has_input = True
-        asked_s = 0.0
+        asked_s = -ANSWER_S
         try:
             while has_input or not self._is_done():
                 try:
-                    now_s = time.monotonic()
-                    if self.echo.prompts == 0 and now_s - asked_s > ANSWER_S:
-                        asked_s = now_s
+                    self._look_at_clock()
+                    if self.echo.prompts == 0 and self.now_s - asked_s > ANSWER_S:
+                        asked_s = self.now_s
                         self._send(b"")
                     if has_input and select.select([sys.stdin], [], [], LOOK_S)[0]:
                         has_input = self._read_line()
@@ -129,11 +133,15 @@ class _Session:
         finally:
             self._send(b"", flags=0)  # the console is free for others
 
+    def _look_at_clock(self) -> None:
+        before_s, self.looked_s = self.looked_s, time.monotonic()
+        self.now_s += min(self.looked_s - before_s, MOST_LOOK_S)
+
     def _read_line(self) -> bool:
         """False: it was the last one."""
         line = sys.stdin.readline()
         if not line:
-            self.heard_s = time.monotonic()
+            self.heard_s = self.now_s
             return False
         line = line.rstrip("\n")[: DATA_BYTES * 2 - 1] + "\n"
         self.echo.typed.append(line)
@@ -143,7 +151,7 @@ class _Session:
     def _send_next(self) -> None:
         """A line at a time, once the vehicle waits for one, or is silent for long: a line with
         losses may have lost the one before."""
-        is_silent = time.monotonic() - self.heard_s > SILENT_S
+        is_silent = self.now_s - self.heard_s > SILENT_S
         if not self.waiting or self.echo.prompts == 0:
             return
         if self.echo.prompts <= self.sent and not is_silent:
@@ -151,23 +159,22 @@ class _Session:
         line, _, self.waiting = self.waiting.partition(b"\n")
         line += b"\n"
         self.sent += 1
-        self.heard_s = time.monotonic()
+        self.heard_s = self.now_s
         for at in range(0, len(line), DATA_BYTES):
             self._send(line[at : at + DATA_BYTES])
 
     def _is_done(self) -> bool:
         all_done = not self.waiting and self.echo.prompts > self.sent
-        return all_done or time.monotonic() - self.heard_s > QUIET_S
+        return all_done or self.now_s - self.heard_s > QUIET_S
 
     def _receive(self) -> None:
-        now_s = time.monotonic()
-        if now_s - self.beat_s > HEARTBEAT_S:
-            self.beat_s = now_s
+        if self.now_s - self.beat_s > HEARTBEAT_S:
+            self.beat_s = self.now_s
             self.link.mav.heartbeat_send(6, 8, 0, 0, 4)
         while (message := self.link.recv_match(type="SERIAL_CONTROL", blocking=False)) is not None:
             if message.device != SHELL or not message.flags & REPLY:
                 continue
-            self.heard_s = now_s
+            self.heard_s = self.now_s
             text = bytes(message.data[: message.count]).decode("ascii", errors="replace")
             print(self.echo.shown(text), end="", flush=True)
 

@@ -23,7 +23,7 @@ from stator.flight.log import read_truth
 
 QUAD = HOME / "graph" / "quad.yaml"
 GRAPHS = Path(__file__).parent / "graph"
-MAX_S = 120  # until a program that hangs is killed
+MAX_S = 600  # until a program that hangs is killed
 LINK = f"/tmp/stator-run-{os.getpid()}"  # of its own, as other tests run beside these
 SLOWLY = ("--speed", "0.2")  # where the log counts: a busy machine loses blocks of it
 COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator", "run", "--link", LINK]

@@ -18,6 +18,7 @@ from tests.flight.mavlink.vehicle import (
     flying,
     free_port,
     mavlink,
+    wait_until_it_talks,
 )
 
 if TYPE_CHECKING:
@@ -97,6 +98,7 @@ def test_consoles_of_two_stations(tmp_path: Path) -> None:
 def test_shell_command_on_a_terminal(tmp_path: Path) -> None:
     port = free_port()
     with flying(tmp_path / "shell.ulg", "--mavlink", f"udp:{port}", "--speed", "5"):
+        wait_until_it_talks(port)
         terminal, ours = pty.openpty()
         command = [*COMMAND, "shell", "--mavlink", f"udp:{port}"]
         with subprocess.Popen(command, stdin=ours, stdout=ours, stderr=ours) as shell:
@@ -116,6 +118,7 @@ def test_shell_command_on_a_terminal(tmp_path: Path) -> None:
 def test_shell_command_in_a_pipe(tmp_path: Path) -> None:
     port = free_port()
     with flying(tmp_path / "shell.ulg", "--mavlink", f"udp:{port}", "--speed", "5"):
+        wait_until_it_talks(port)
         command = [*COMMAND, "shell", "--mavlink", f"udp:{port}"]
         done = subprocess.run(
             command,
