@@ -188,7 +188,6 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--origin") return read_origin(value, options.conditions.earth);
     if (option == "--gusts") return read_gusts(value, options.conditions.wind.gusts);
     if (option == "--fail") return add_fault(value, options.conditions.faults);
-<<<<<<< HEAD
     std::fprintf(stderr,
                  "error: unknown option '%s'\nhint: known: --log FILE, --truth FILE, --seed N, "
                  "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
@@ -196,19 +195,8 @@ bool read_value(std::string_view option, const char* value, Options& options) {
                  "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
                  "--pilot FILE, --vehicle FILE, --mission FILE, --origin "
                  "LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR, "
-                 "--mavlink PLACE, --hil PLACE\n",
+                 "--mavlink PLACE, --hil PLACE, --lockstep SOCKET\n",
                  option.data());
-=======
-    std::fprintf(
-        stderr,
-        "error: unknown option '%s'\nhint: known: --log FILE, --truth FILE, --seed N, "
-        "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
-        "--wind M_S, "
-        "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
-        "--pilot FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR, "
-        "--mavlink PLACE, --hil PLACE, --lockstep SOCKET\n",
-        option.data());
->>>>>>> fadff15 (fly: --lockstep, and the tests with a station of ours fly in it)
     return false;
 }
 
