@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pyulog import ULog
-from tests.flight.mavlink.vehicle import COMMAND, Station, flying, free_port, mavlink
+from tests.flight.mavlink.vehicle import COMMAND, Station, mavlink, met
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -51,12 +51,8 @@ def rates_at_rest(log: ULog, begin_us: float, end_us: float) -> Any:
 
 
 def test_gyro_and_level(tmp_path: Path) -> None:
-    port = free_port()
     log = tmp_path / "calibration.ulg"
-    with flying(log, "--mavlink", f"udp:{port}", "--speed", "5") as facts:
-        station = Station(f"udpin:127.0.0.1:{port}")
-        station.connect()
-        station.wait_until_armable()
+    with met(log) as (station, facts):
         # What there is not, and two at once.
         assert station.command(CALIBRATE, 0, 0, 0, 0, 0, 1) == mavlink.MAV_RESULT_UNSUPPORTED
         station.accept(CALIBRATE, 0, 1)
@@ -82,7 +78,6 @@ def test_gyro_and_level(tmp_path: Path) -> None:
         turn_a_motor(station)
         tested_us = station.wait("ATTITUDE").time_boot_ms * 1e3
         station.wait("ATTITUDE", lambda a: a.time_boot_ms * 1e3 > tested_us + 3e6)
-        station.close()
     assert facts["success"], facts["problems"]
     flight = ULog(str(log))
     # The sensor's own offset is what it shows before; it is known to the mean of 5 s.

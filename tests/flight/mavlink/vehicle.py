@@ -32,14 +32,9 @@ if TYPE_CHECKING:
 
 OUTDOOR = HOME / "graph" / "quad_outdoor.yaml"
 COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator"]
-<<<<<<< HEAD
-HANGS_S = 120.0  # of wall time
-BUILDS_S = 10.0 * HANGS_S  # a vehicle that is not built yet
-=======
 HANGS_S = 600.0
 START_S = 1800.0  # of wall time, until the vehicle is built and flies
 STEP_S = 0.01  # boards/sitl/main.cpp
->>>>>>> fadff15 (fly: --lockstep, and the tests with a station of ours fly in it)
 NAN = math.nan
 
 
@@ -156,11 +151,7 @@ def wait_until_it_talks(port: int) -> None:
     """A vehicle that is not built yet takes its time, which no client waits for."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", port))
-<<<<<<< HEAD
-        probe.settimeout(BUILDS_S)
-=======
         probe.settimeout(START_S)
->>>>>>> fadff15 (fly: --lockstep, and the tests with a station of ours fly in it)
         probe.recv(1)
 
 
@@ -214,27 +205,21 @@ class Station:
     def close(self) -> None:
         self.link.close()
 
-<<<<<<< HEAD
     def wait(
         self,
         kind: str | list[str],
         wanted: Callable[[Any], bool] = lambda _: True,
         limit_s: float = HANGS_S,
     ) -> Any:
-        until = time.monotonic() + limit_s
-        while time.monotonic() < until:
-=======
-    def wait(self, kind: str | list[str], wanted: Callable[[Any], bool] = lambda _: True) -> Any:
-        until = self.clock.time() + HANGS_S
+        until = self.clock.time() + limit_s
         while self.clock.time() < until:
->>>>>>> fadff15 (fly: --lockstep, and the tests with a station of ours fly in it)
             message = self.link.recv_match(type=kind, blocking=True, timeout=0.2)
             if message is not None and wanted(message):
                 return message
         raise AssertionError(f"no {kind} that is wanted")
 
     def connect(self) -> Any:
-        beat = self.wait("HEARTBEAT", limit_s=BUILDS_S)
+        beat = self.wait("HEARTBEAT", limit_s=START_S)
         self.link.target_system = beat.get_srcSystem()
         return beat
 
