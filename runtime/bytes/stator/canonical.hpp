@@ -69,7 +69,8 @@ template <FloatRun kRun>
     } else {
         [sample]<size_t... i>(std::index_sequence<i...>) {
             (canonicalise(sample + kRun.offset + i * kRun.bytes, 1, kRun.bytes), ...);
-        }(std::make_index_sequence<kRun.count>());
+        }
+        (std::make_index_sequence<kRun.count>());
     }
 }
 
@@ -86,7 +87,8 @@ template <class Message>
     auto* const sample = reinterpret_cast<std::byte*>(&message);
     [sample]<size_t... i>(std::index_sequence<i...>) {
         (detail::canonicalise_run<kFloats<Message>[i]>(sample), ...);
-    }(std::make_index_sequence<kFloats<Message>.size()>());
+    }
+    (std::make_index_sequence<kFloats<Message>.size()>());
 }
 
 // Whether a message has numbers that may be NaN, but only a few of 4 bytes: then their sum says
@@ -108,7 +110,8 @@ template <class Message>
     const auto* const sample = reinterpret_cast<const std::byte*>(&message);
     return [sample]<size_t... i>(std::index_sequence<i...>) {
         return __builtin_isnan((detail::sum_of_run<kFloats<Message>[i]>(sample) + ...));
-    }(std::make_index_sequence<kFloats<Message>.size()>());
+    }
+    (std::make_index_sequence<kFloats<Message>.size()>());
 }
 
 }  // namespace stator

@@ -32,8 +32,8 @@ inline uint32_t sample_hash(const void* sample, size_t count) {
 // The same of a message: mostly without a loop.
 template <size_t kBytes>
 [[gnu::always_inline]] inline uint32_t sample_hash(const void* message) {
-    const auto* bytes = static_cast<const std::byte*>(
-        __builtin_assume_aligned(message, alignof(uint64_t)));
+    const auto* bytes =
+        static_cast<const std::byte*>(__builtin_assume_aligned(message, alignof(uint64_t)));
     uint32_t hash = 0;
 #pragma GCC unroll 16
     for (size_t i = 0; i < kBytes; i += sizeof(uint32_t)) hash = detail::hash_on(hash, bytes + i);

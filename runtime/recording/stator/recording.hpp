@@ -248,8 +248,8 @@ class RecordStream {
     uint8_t* limit_;  // up to here all is free and lies side by side; below `to_` where it is not
     uint8_t* begin_;  // of the record
     uint8_t* bytes_;
-    uint32_t mask_;      // size less 1
-    uint32_t base_ = 0;  // position of the first byte: how often the ring went round
+    uint32_t mask_;                     // size less 1
+    uint32_t base_ = 0;                 // position of the first byte: how often the ring went round
     std::atomic<uint32_t> written_{0};  // positions: both count bytes modulo 2^32
     std::atomic<uint32_t> taken_{0};
     std::atomic<uint32_t> lost_{0};
