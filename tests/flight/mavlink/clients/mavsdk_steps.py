@@ -5,22 +5,29 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import itertools
+import json
 import math
 import os
 import sys
+import tempfile
 import traceback
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
 from mavsdk.asyncio.plugins.action import ActionAsync, ActionError
+from mavsdk.asyncio.plugins.component_metadata import ComponentMetadataAsync
+from mavsdk.asyncio.plugins.ftp import FtpAsync, FtpError
 from mavsdk.asyncio.plugins.geofence import GeofenceAsync
 from mavsdk.asyncio.plugins.info import InfoAsync
+from mavsdk.asyncio.plugins.log_files import LogFilesAsync
 from mavsdk.asyncio.plugins.manual_control import ManualControlAsync, ManualControlError
 from mavsdk.asyncio.plugins.mission import MissionAsync
 from mavsdk.asyncio.plugins.mission_raw import MissionRawAsync
 from mavsdk.asyncio.plugins.offboard import OffboardAsync, OffboardError
 from mavsdk.asyncio.plugins.param import ParamAsync, ParamError
 from mavsdk.asyncio.plugins.telemetry import TelemetryAsync
+from mavsdk.plugins.component_metadata import MetadataType
 from mavsdk.plugins.geofence import Circle, FenceType, GeofenceData, Point, Polygon
 from mavsdk.plugins.mission import MissionItem, MissionPlan
 from mavsdk.plugins.mission_raw import MissionItem as RawItem
@@ -62,7 +69,10 @@ class Vehicle:
     def __init__(self, system: Any) -> None:
         self.action = ActionAsync(system)
         self.fence = GeofenceAsync(system)
+        self.files = FtpAsync(system)
         self.info = InfoAsync(system)
+        self.logs = LogFilesAsync(system)
+        self.metadata = ComponentMetadataAsync(system)
         self.manual = ManualControlAsync(system)
         self.mission = MissionAsync(system)
         self.offboard = OffboardAsync(system)
@@ -234,6 +244,42 @@ async def keeps_fences_and_rally_points(v: Vehicle) -> None:
     await v.fence.clear_geofence()
 
 
+async def describes_its_parameters(v: Vehicle) -> None:
+    stream = v.metadata.subscribe_metadata_available()
+    await v.metadata.request_autopilot_component()
+    await until(stream, lambda update: update.type == MetadataType.PARAMETER)
+    text = await v.metadata.get_metadata(1, MetadataType.PARAMETER)
+    described = {parameter["name"] for parameter in json.loads(text)["parameters"]}
+    everything = await v.param.get_all_params()
+    names = {p.name for p in (*everything.int_params, *everything.float_params)}
+    assert described == names
+
+
+async def hands_out_files_and_logs(v: Vehicle) -> None:
+    assert "etc" in {e.name for e in (await v.files.list_directory("/")).entries}
+    with tempfile.TemporaryDirectory() as folder:
+
+        async def get(stream: AsyncGenerator[Any, None]) -> None:
+            async for _ in stream:
+                pass
+
+        absent = get(v.files.download("/no/such/file", folder, False))
+        assert await refusal(absent, FtpError) == "FILE_DOES_NOT_EXIST"
+        for entry in (await v.files.list_directory("/etc")).entries:
+            for in_bursts in (False, True):
+                await get(v.files.download(f"/etc/{entry.name}", folder, in_bursts))
+                local = Path(folder) / entry.name
+                assert local.stat().st_size == entry.size_bytes
+                assert await v.files.are_files_identical(str(local), f"/etc/{entry.name}")
+                local.unlink()
+        entries = await v.logs.get_entries()
+        smallest = min(entries, key=lambda entry: entry.size_bytes)
+        log = Path(folder) / "log.ulg"
+        await get(v.logs.download_log_file(smallest, str(log)))
+        assert log.stat().st_size == smallest.size_bytes
+        assert log.read_bytes()[:4] == b"ULog"
+
+
 async def flies_by_commands(v: Vehicle) -> None:
     t, a = v.telemetry, v.action
     await a.set_takeoff_altitude(5.0)
@@ -337,6 +383,8 @@ STEPS = (
     lists_reads_and_sets_parameters,
     keeps_a_mission,
     keeps_fences_and_rally_points,
+    describes_its_parameters,
+    hands_out_files_and_logs,
     flies_by_commands,
     flies_a_mission,
     flies_by_setpoints,
