@@ -7,9 +7,15 @@
 
 namespace stator::apps::mavlink {
 
+bool Link::send(const mav::Kind& kind, std::span<const uint8_t> payload) {
+    if (rehearses_) return true;
+    mav::FrameBytes frame;
+    frame.put(kind, payload, sequence_, own_);
+    return put(frame.bytes(), kind.id == mav::Heartbeat::kId ? 0 : kForHeartbeat);
+}
+
 // `left`: bytes of room that stay free.
 bool Link::put(std::span<const uint8_t> frame, std::size_t left) {
-    if (rehearses_) return true;
     ++sequence_;  // a frame that is dropped shows as lost
     if (!is_open() || frame.size() + left > kRoom - waiting_) {
         ++dropped_;

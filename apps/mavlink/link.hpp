@@ -40,9 +40,9 @@ class Link {
     // False if there was no room.
     template <class Message>
     bool send(const Message& message) {
-        mav::FrameBytes frame;
-        frame.put(message, sequence_, own_);
-        return put(frame.bytes(), Message::kId == mav::Heartbeat::kId ? 0 : kForHeartbeat);
+        return mav::with_payload(message, [this](std::span<const uint8_t> payload) {
+            return send(mav::kKindOf<Message>, payload);
+        });
     }
     // Whether the line keeps up: what waits goes out at once.
     bool has_room_for_streams() const { return static_cast<float>(waiting_) <= budget_; }
@@ -62,6 +62,7 @@ class Link {
     static constexpr std::size_t kBulkWaits = 300;
     static constexpr float kBurst_s = 0.1F;  // of bytes that an idle line may catch up on
 
+    bool send(const mav::Kind& kind, std::span<const uint8_t> payload);
     bool put(std::span<const uint8_t> frame, std::size_t left);
     std::size_t first_frame() const;
     uint8_t at(std::size_t index) const { return ring_[(begin_ + index) % kRoom]; }

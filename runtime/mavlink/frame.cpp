@@ -3,10 +3,16 @@
 
 namespace stator::mav {
 
+void copy_payload(std::span<uint8_t> message, std::span<const uint8_t> payload) {
+    const std::size_t length = std::min(message.size(), payload.size());
+    std::fill(std::copy_n(payload.begin(), length, message.begin()), message.end(), uint8_t{0});
+}
+
 // A payload's zeros at its end do not travel, but for the first byte.
-void FrameBytes::finish(uint32_t id, uint8_t crc_extra, std::size_t length, uint8_t sequence,
-                        Address source) {
-    while (length > 1 && bytes_[kHeaderBytes + length - 1] == 0) --length;
+void FrameBytes::put(const Kind& kind, std::span<const uint8_t> payload, uint8_t sequence,
+                     Address source) {
+    std::size_t length = payload.size();
+    while (length > 1 && payload[length - 1] == 0) --length;
     const std::array<uint8_t, kHeaderBytes> header{kStart,
                                                    static_cast<uint8_t>(length),
                                                    0,
@@ -14,12 +20,14 @@ void FrameBytes::finish(uint32_t id, uint8_t crc_extra, std::size_t length, uint
                                                    sequence,
                                                    source.system,
                                                    source.component,
-                                                   static_cast<uint8_t>(id),
-                                                   static_cast<uint8_t>(id >> 8),
-                                                   static_cast<uint8_t>(id >> 16)};
+                                                   static_cast<uint8_t>(kind.id),
+                                                   static_cast<uint8_t>(kind.id >> 8),
+                                                   static_cast<uint8_t>(kind.id >> 16)};
     std::copy(header.begin(), header.end(), bytes_.begin());
+    std::copy_n(payload.begin(), length, bytes_.begin() + kHeaderBytes);
     const std::size_t end = kHeaderBytes + length;
-    const uint16_t crc = crc16(crc16(kCrcSeed, std::span(bytes_).first(end).subspan(1)), crc_extra);
+    const uint16_t crc =
+        crc16(crc16(kCrcSeed, std::span(bytes_).first(end).subspan(1)), kind.crc_extra);
     bytes_[end] = static_cast<uint8_t>(crc);
     bytes_[end + 1] = static_cast<uint8_t>(crc >> 8);
     size_ = end + kCrcBytes;

@@ -18,6 +18,8 @@ from stator.names import upper_camel
 DEFINITIONS = HOME / "runtime" / "mavlink" / "messages.xml"
 _TEMPLATES = Path(__file__).parent
 _TYPES = {"char": "char", "float": "float", "double": "double"}
+_HAS_COMPONENT = 0x80  # `kHasComponent` of known.hpp
+_NO_TARGET = 0xFF
 Row = dict[str, Any]
 
 
@@ -33,12 +35,30 @@ def _field(field: Any) -> str:
     return f"{kind} {field.name}{{}};"
 
 
+def _target(message: Any) -> int:
+    """Where its payload has the system that it is for, as known.hpp says."""
+    offsets = {field.name: field.wire_offset for field in message.ordered_fields}
+    system = offsets.get("target_system", offsets.get("target"))
+    if system is None:
+        return _NO_TARGET
+    component = offsets.get("target_component")
+    assert component in (None, system + 1), f"{message.name}: its target is in two places"
+    return system | (0 if component is None else _HAS_COMPONENT)
+
+
+def _is_plain(message: Any) -> bool:
+    """Whether a struct of its fields has no gaps, as C++ lays it out: then it is the payload."""
+    return all(field.wire_offset % field.type_length == 0 for field in message.ordered_fields)
+
+
 def message_row(message: Any) -> Row:
     return {
         "name": upper_camel(message.name.lower()),
         "id": message.id,
         "crc_extra": message.crc_extra,
         "length": message.wire_length,
+        "target": _target(message),
+        "is_plain": _is_plain(message),
         "fields": [_field(field) for field in message.ordered_fields],
         "names": [field.name for field in message.ordered_fields],
     }

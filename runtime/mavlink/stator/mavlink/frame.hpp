@@ -47,15 +47,13 @@ class FrameBytes {
 
     template <class Message>
     void put(const Message& message, uint8_t sequence, Address source) {
-        ToBytes out{std::span(bytes_).subspan(kHeaderBytes)};
-        Message::visit(out, message);
-        finish(Message::kId, Message::kCrcExtra, Message::kLength, sequence, source);
+        with_payload(message, [&](std::span<const uint8_t> payload) {
+            put(kKindOf<Message>, payload, sequence, source);
+        });
     }
+    void put(const Kind& kind, std::span<const uint8_t> payload, uint8_t sequence, Address source);
 
   private:
-    void finish(uint32_t id, uint8_t crc_extra, std::size_t length, uint8_t sequence,
-                Address source);
-
     std::array<uint8_t, kHeaderBytes + kMaxPayload + kCrcBytes> bytes_{};
     std::size_t size_ = 0;
 };
