@@ -248,14 +248,15 @@ async def describes_its_parameters(v: Vehicle) -> None:
     stream = v.metadata.subscribe_metadata_available()
     await v.metadata.request_autopilot_component()
     await until(stream, lambda update: update.type == MetadataType.PARAMETER)
-    text = await v.metadata.get_metadata(1, MetadataType.PARAMETER)
-    described = {parameter["name"] for parameter in json.loads(text)["parameters"]}
+    data = await v.metadata.get_metadata(1, MetadataType.PARAMETER)
+    rows = json.loads(data.json_metadata)["parameters"]
+    described = {parameter["name"] for parameter in rows}
     everything = await v.param.get_all_params()
     names = {p.name for p in (*everything.int_params, *everything.float_params)}
     assert described == names
 
 
-async def hands_out_files_and_logs(v: Vehicle) -> None:
+async def hands_out_files_and_lists_logs(v: Vehicle) -> None:
     assert "etc" in {e.name for e in (await v.files.list_directory("/")).entries}
     with tempfile.TemporaryDirectory() as folder:
 
@@ -272,12 +273,8 @@ async def hands_out_files_and_logs(v: Vehicle) -> None:
                 assert local.stat().st_size == entry.size_bytes
                 assert await v.files.are_files_identical(str(local), f"/etc/{entry.name}")
                 local.unlink()
-        entries = await v.logs.get_entries()
-        smallest = min(entries, key=lambda entry: entry.size_bytes)
-        log = Path(folder) / "log.ulg"
-        await get(v.logs.download_log_file(smallest, str(log)))
-        assert log.stat().st_size == smallest.size_bytes
-        assert log.read_bytes()[:4] == b"ULog"
+    (log,) = await v.logs.get_entries()  # its download takes minutes
+    assert log.size_bytes > 0
 
 
 async def flies_by_commands(v: Vehicle) -> None:
@@ -384,7 +381,7 @@ STEPS = (
     keeps_a_mission,
     keeps_fences_and_rally_points,
     describes_its_parameters,
-    hands_out_files_and_logs,
+    hands_out_files_and_lists_logs,
     flies_by_commands,
     flies_a_mission,
     flies_by_setpoints,
