@@ -10,13 +10,22 @@ namespace stator::apps::mavlink {
 bool Link::send(const mav::Kind& kind, std::span<const uint8_t> payload) {
     if (rehearses_) return true;
     mav::FrameBytes frame;
-    frame.put(kind, payload, sequence_, own_);
+    frame.put(kind, payload, sequence_++, own_);  // a frame that is dropped shows as lost
     return put(frame.bytes(), kind.id == mav::Heartbeat::kId ? 0 : kForHeartbeat);
+}
+
+bool Link::forward(std::span<const uint8_t> frame) {
+    const auto bytes = static_cast<float>(frame.size());
+    if (bytes > forward_budget_) {
+        ++dropped_;
+        return false;
+    }
+    forward_budget_ -= bytes;
+    return put(frame, kForHeartbeat);
 }
 
 // `left`: bytes of room that stay free.
 bool Link::put(std::span<const uint8_t> frame, std::size_t left) {
-    ++sequence_;  // a frame that is dropped shows as lost
     if (!is_open() || frame.size() + left > kRoom - waiting_) {
         ++dropped_;
         return false;
@@ -30,7 +39,8 @@ bool Link::put(std::span<const uint8_t> frame, std::size_t left) {
 
 // Bytes of the frame that waits longest.
 std::size_t Link::first_frame() const {
-    return mav::kHeaderBytes + at(leaving_ + 1) + mav::kCrcBytes;
+    const std::size_t signature = at(leaving_ + 2) == mav::kIsSigned ? mav::kSignatureBytes : 0;
+    return mav::kHeaderBytes + at(leaving_ + 1) + mav::kCrcBytes + signature;
 }
 
 // An activation sends what the pieces of one can carry, and what the line can.
@@ -38,6 +48,7 @@ void Link::refill(float dt) {
     const auto rate = static_cast<float>(bytes_per_s_);
     const float most = math::max(rate * kBurst_s, static_cast<float>(mav::kMaxFrameBytes));
     budget_ = math::min(budget_ + rate * dt, most);
+    forward_budget_ = math::min(forward_budget_ + rate * dt * kForwarded, most);
     pieces_left_ = kPieces;
 }
 

@@ -44,6 +44,8 @@ class Link {
             return send(mav::kKindOf<Message>, payload);
         });
     }
+    // A frame of another line, as it is. Such frames get half of the line at most. False: dropped.
+    bool forward(std::span<const uint8_t> frame);
     // Whether the line keeps up: what waits goes out at once.
     bool has_room_for_streams() const { return static_cast<float>(waiting_) <= budget_; }
     bool has_room_for_bulk() const { return waiting_ <= kBulkWaits && has_room_for_streams(); }
@@ -60,7 +62,8 @@ class Link {
     static constexpr std::size_t kRoom = 1024;
     static constexpr std::size_t kForHeartbeat = 32;  // whatever else waits
     static constexpr std::size_t kBulkWaits = 300;
-    static constexpr float kBurst_s = 0.1F;  // of bytes that an idle line may catch up on
+    static constexpr float kBurst_s = 0.1F;    // of bytes that an idle line may catch up on
+    static constexpr float kForwarded = 0.5F;  // of the line, for frames of others
 
     bool send(const mav::Kind& kind, std::span<const uint8_t> payload);
     bool put(std::span<const uint8_t> frame, std::size_t left);
@@ -72,7 +75,8 @@ class Link {
     bool rehearses_ = false;
     uint8_t sequence_ = 0;
     uint32_t bytes_per_s_ = 0;
-    float budget_ = 0.0F;  // bytes
+    float budget_ = 0.0F;          // bytes
+    float forward_budget_ = 0.0F;  // of frames of other lines
     std::array<uint8_t, kRoom> ring_{};
     std::size_t begin_ = 0;
     std::size_t waiting_ = 0;

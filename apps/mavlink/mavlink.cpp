@@ -35,8 +35,19 @@ bool Mavlink::is_for_us(const Message& message) const {
            (message.target_component == 0 || message.target_component == own_.component);
 }
 
+// Never back to where it came from.
+void Mavlink::forward(unsigned from, const mav::Frame& frame) {
+    for (unsigned to = 0; to < kLinks; ++to) {
+        if (to == from || !link(to).is_open()) continue;
+        if (router_.goes_on(frame, own_, to)) link(to).forward(frame.bytes);
+    }
+}
+
 void Mavlink::handle(unsigned number, const mav::Frame& frame, MavlinkPorts& ports) {
     if (frame.source == own_) return;  // our own, come back by another way
+    router_.hear(number, frame.source, ports.now);
+    forward(number, frame);
+    if (frame.known == nullptr) return;
     switch (frame.id) {
         case mav::CommandLong::kId: {
             const auto c = mav::decode<mav::CommandLong>(frame.payload);

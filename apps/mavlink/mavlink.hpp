@@ -10,6 +10,7 @@
 #include "mavlink_ports.hpp"
 #include "mission_transfer.hpp"
 #include "parameter_transfer.hpp"
+#include "router.hpp"
 #include "streams.hpp"
 #include "telemetry.hpp"
 
@@ -17,7 +18,8 @@ namespace stator::apps::mavlink {
 
 // Runs at a fixed period; in each activation it takes a bounded number of bytes from each line, and
 // gives each a bounded number. Lines that are not open cost nothing. Everything that asks for an
-// answer gets exactly one, on the line that it came from; what we do not do is UNSUPPORTED.
+// answer gets exactly one, on the line that it came from; what we do not do is UNSUPPORTED. Frames
+// for others go on to the other line, unchanged.
 //
 // One command of the vehicle at a time is on its way to the node that decides; another one that
 // comes meanwhile is TEMPORARILY_REJECTED.
@@ -64,6 +66,7 @@ class Mavlink {
     void configure(const MavlinkParams& params);
     void receive(unsigned number, Input<SerialBytes>& received, MavlinkPorts& ports);
     void handle(unsigned number, const mav::Frame& frame, MavlinkPorts& ports);
+    void forward(unsigned from, const mav::Frame& frame);
     template <class Message>
     bool is_for_us(const Message& message) const;
     void tell_reached(const MavlinkPorts& ports);
@@ -91,6 +94,7 @@ class Mavlink {
     void take_answers(MavlinkPorts& ports);
 
     std::array<Line, kLinks> lines_;
+    Router router_;
     Telemetry telemetry_;
     Control control_;
     MissionTransfer plans_;

@@ -56,6 +56,8 @@ struct Heard {
     uint32_t id;
     std::vector<uint8_t> payload;
     uint64_t time_us;
+    mav::Address from;
+    std::vector<uint8_t> frame;
 
     template <class Message>
     Message as() const {
@@ -95,7 +97,9 @@ class MavlinkTest : public ::testing::Test {
     void send(const Message& message, unsigned line = 0, mav::Address from = kGround) {
         mav::FrameBytes frame;
         frame.put(message, stations_[line].sequence++, from);
-        const auto bytes = frame.bytes();
+        send_bytes(frame.bytes(), line);
+    }
+    void send_bytes(std::span<const uint8_t> bytes, unsigned line = 0) {
         stations_[line].out.insert(stations_[line].out.end(), bytes.begin(), bytes.end());
     }
     void send_command(uint16_t command, std::array<float, 7> p, unsigned line = 0,
@@ -127,8 +131,11 @@ class MavlinkTest : public ::testing::Test {
             std::span<const uint8_t> bytes = std::span(piece.data).first(piece.length);
             station.received_bytes += bytes.size();
             while (const auto frame = station.parser.next(bytes, now_us_)) {
-                station.heard.push_back(
-                    {frame->id, {frame->payload.begin(), frame->payload.end()}, now_us_});
+                station.heard.push_back({frame->id,
+                                         {frame->payload.begin(), frame->payload.end()},
+                                         now_us_,
+                                         frame->source,
+                                         {frame->bytes.begin(), frame->bytes.end()}});
             }
             if (!piece.ends) continue;
             // A datagram holds whole frames.

@@ -12,6 +12,7 @@
 
 #include "stator/mavlink/codec.hpp"
 #include "stator/mavlink/crc.hpp"
+#include "stator/mavlink/known.hpp"
 
 namespace stator::mav {
 
@@ -31,14 +32,27 @@ struct Address {
     bool operator==(const Address&) const = default;
 };
 
-// A received frame; its payload lies in the parser until the parser takes more bytes.
+// A received frame; its bytes lie in the parser until the parser takes more.
 struct Frame {
     uint32_t id = 0;
     Address source;
     uint8_t sequence = 0;
     bool is_signed = false;
+    const Known* known = nullptr;    // null: not a message that we know, and the CRC is not checked
+    std::span<const uint8_t> bytes;  // all of it
     std::span<const uint8_t> payload;
 };
+
+// Who a frame is for. Zeros are for all, and so is what does not say it.
+inline Address target_of(const Frame& frame) {
+    if (frame.known == nullptr || frame.known->target == Known::kNoTarget) return {};
+    const std::size_t at = frame.known->target & static_cast<uint8_t>(~Known::kHasComponent);
+    const bool has_component = (frame.known->target & Known::kHasComponent) != 0;
+    const auto byte = [&](std::size_t i) {
+        return i < frame.payload.size() ? frame.payload[i] : uint8_t{0};
+    };
+    return {.system = byte(at), .component = has_component ? byte(at + 1) : uint8_t{0}};
+}
 
 // Room for one frame to be sent.
 class FrameBytes {
