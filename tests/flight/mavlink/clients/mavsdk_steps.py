@@ -282,8 +282,9 @@ async def flies_by_commands(v: Vehicle) -> None:
     await a.set_takeoff_altitude(5.0)
     await a.arm()
     await v.wait_armed(True)
+    is_taking_off = asyncio.ensure_future(v.wait_mode(FlightMode.TAKEOFF))  # it is short
     await a.takeoff()
-    await v.wait_mode(FlightMode.TAKEOFF)
+    await is_taking_off
     await until(t.subscribe_in_air(), bool)
     await v.wait_height(5.0)
     assert await refusal(a.disarm(), ActionError) == "COMMAND_DENIED"
