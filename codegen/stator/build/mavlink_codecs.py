@@ -37,7 +37,7 @@ def _field(field: Any) -> str:
 
 def _target(message: Any) -> int:
     """Where its payload has the system that it is for, as known.hpp says."""
-    offsets = {field.name: field.wire_offset for field in message.ordered_fields}
+    offsets: dict[str, int] = {f.name: f.wire_offset for f in message.ordered_fields}
     system = offsets.get("target_system", offsets.get("target"))
     if system is None:
         return _NO_TARGET
