@@ -37,7 +37,8 @@ void Router::hear(unsigned line, mav::Address from, uint64_t now_us) {
 bool Router::goes_on(const mav::Frame& frame, mav::Address own, unsigned to) const {
     if (is_private(frame.id)) return false;
     const mav::Address target = target_of(frame);
-    if (target.system == 0) return true;
+    // What is typed for nobody by name is typed for the console at the end of that line.
+    if (target.system == 0) return frame.id != mav::SerialControl::kId;
     if (target == own) return false;
     return std::ranges::any_of(places_, [&](const Place& place) {
         return (place.lines >> to & 1U) != 0 && place.address.system == target.system &&

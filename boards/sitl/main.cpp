@@ -252,7 +252,7 @@ int main(int count, char** arguments) {
     if (options.hil == nullptr) {
         board::prepare(options.conditions, options.vehicle, mission, truth);
     } else {
-        outside.emplace(options.conditions);
+        outside.emplace(options.conditions, options.vehicle);
         if (!connect(*outside, options.hil)) return 2;
         board::prepare(*outside, mission);
     }

@@ -35,7 +35,8 @@ bool are_finite(std::initializer_list<float> values) {
 
 }  // namespace
 
-Outside::Outside(const world::Conditions& conditions) : conditions_(conditions) {
+Outside::Outside(const world::Conditions& conditions, const world::Vehicle& vehicle)
+    : conditions_(conditions), vehicle_(vehicle) {
     control_.fill(math::canonical_nan<float>());
 }
 
@@ -188,7 +189,7 @@ void Outside::take_parts(Samples& samples) {
                            .kill = hands.kill}};
     }
     if (battery_timer_.take(time_us_)) {
-        const world::Battery full{world::BatteryParameters{}};
+        const world::Battery full{vehicle_.battery};
         samples.battery0 = {1,
                             {.voltage_v = static_cast<float>(full.voltage()), .remaining = 1.0F}};
     }

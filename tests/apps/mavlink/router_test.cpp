@@ -44,6 +44,18 @@ TEST_F(RouterTest, WhatIsForAllGoesToTheOtherLineAndNotBack) {
     EXPECT_TRUE(forwarded(0).empty());
 }
 
+TEST_F(RouterTest, WhatIsTypedIntoAConsoleStaysOnItsLine) {
+    mav::SerialControl message{.device = 10, .count = 1};
+    send(message, 0);
+    run(0.1);
+    EXPECT_TRUE(forwarded(1).empty());
+    hear(kOther, 1);
+    message.target_system = kOther.system;
+    send(message, 0);
+    run(0.1);
+    EXPECT_EQ(forwarded(1).size(), 1U);
+}
+
 TEST_F(RouterTest, WhatIsForAnotherOneGoesOnlyWhereThatWasHeard) {
     send_to(kOther.system, kOther.component, 0);
     run(0.1);

@@ -145,7 +145,8 @@ TEST(Options, refuses_what_it_does_not_know) {
               "--vary no|yes, --wind M_S, "
               "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
               "--pilot FILE, --vehicle FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], "
-              "--speed FACTOR, --mavlink PLACE, --hil PLACE\n");
+              "--speed FACTOR, --mavlink PLACE, --hil PLACE, "
+              "--lockstep SOCKET\n");
 }
 
 }  // namespace
