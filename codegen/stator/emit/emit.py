@@ -140,7 +140,6 @@ def _parts(interfaces: list[Interface]) -> dict[str, str]:
             message.mark,
             message=message,
             fields=rows.fields(message, rows.defaults(interfaces, message)),
-            floats=rows.log_floats(message),
         )
     for interface in interfaces:
         folder = f"ports/{interface.name}"

@@ -198,8 +198,6 @@ class TaskRecording:
 class StreamRow:
     name: str
     bytes: int
-    most_inputs: int  # of a task of this level
-    most_numbers: int
 
 
 @dataclass(frozen=True)
@@ -257,19 +255,8 @@ def port_row(port: Port, age: str = "") -> PortRow:
 
 def recording_row(plan: Plan, file: str) -> RecordingRow:
     sizes = stream_bytes(plan)
-    tasks: dict[int, list[TaskRecording]] = {level: [] for level in sizes}
-    for task, row in zip(recorded_tasks(plan), task_rows(plan).values(), strict=True):
-        tasks[task.level].append(row)
     return RecordingRow(
-        streams=[
-            StreamRow(
-                f"level_{level}",
-                size,
-                max(len(task.inputs) for task in tasks[level]),
-                max(task.more_numbers for task in tasks[level]),
-            )
-            for level, size in sorted(sizes.items())
-        ],
+        streams=[StreamRow(f"level_{level}", size) for level, size in sorted(sizes.items())],
         levels=[f"level_{level}" if level in sizes else "none" for level in range(max(sizes) + 1)],
         definitions=definitions(plan, file),
     )

@@ -257,21 +257,15 @@ class AnyOutput {
     [[gnu::always_inline]] bool begin(Building& building) {
         return kSharesPortCode ? begin_shared(building) : begin_here(building);
     }
-    // A recording needs to know the type.
-    template <class Message>
-    [[gnu::always_inline]] void end(const Building& building, Message& message) {
-        if constexpr (kSharesPortCode && !kRecords) {
-            end_shared(building, *reinterpret_cast<std::byte*>(&message));
-        } else {
-            end_here(building, message);
-        }
+    [[gnu::always_inline]] void end(const Building& building, std::byte* sample, uint32_t bytes) {
+        kSharesPortCode ? end_shared(building, sample, bytes) : end_here(building, sample, bytes);
     }
     uint64_t now_us() const { return now_us_; }
 
   private:
     [[gnu::noinline]] bool begin_shared(Building& building) { return begin_here(building); }
-    [[gnu::noinline]] void end_shared(const Building& building, std::byte& sample) {
-        end_here(building, sample);
+    [[gnu::noinline]] void end_shared(const Building& building, std::byte* sample, uint32_t bytes) {
+        end_here(building, sample, bytes);
     }
 
     [[gnu::always_inline]] bool begin_here(Building& building) {
@@ -285,18 +279,17 @@ class AnyOutput {
         building.slot = slot_at(*topic_, building.loaned.slot);
         return true;
     }
-    template <class Message>
-    [[gnu::always_inline]] void end_here(const Building& building, Message& message) {
-        auto* const sample = reinterpret_cast<std::byte*>(&message);
+    [[gnu::always_inline]] void end_here(const Building& building, std::byte* sample,
+                                         uint32_t bytes) {
         left_ = building.left;
-        tap_.builds(message);
+        tap_.builds(sample);
         // Those whom it wakes do not wait for the record, if the sample lasts.
         const bool is_kept = is_kept_for_publisher(*topic_);
-        const uint32_t hash = is_kept ? 0 : tap_.commits(sample, sizeof(Message));
+        const uint32_t hash = is_kept ? 0 : tap_.commits(sample, bytes);
         const uint32_t number = commit(*topic_, building.loaned, sample);
         activate(*topic_, now_us_);
         if (is_kept) {
-            tap_.published(message, number);
+            tap_.published(sample, bytes, number);
         } else {
             tap_.committed(hash, number);
         }
@@ -329,7 +322,7 @@ class Output : public AnyOutput {
         asm("" : "+r"(slot));  // one register reaches all fields: computed once
         auto* const message = new (slot) Message(make());
         message->timestamp = now_us();
-        end(building, *message);
+        end(building, slot, sizeof(Message));
     }
 
     // A message is built in its slot, never copied there.

@@ -27,73 +27,53 @@ inline constexpr auto kDone = std::memory_order_relaxed;
 #endif
 
 // What a level records. One producer: the job of this level that runs. One consumer: the logger.
-//
-// A ring of bytes. A part of a record is written side by side, even where it runs over the ring's
-// end: behind it lies some memory to spare, and what got there moves to the beginning before
-// anybody sees it. So one comparison says whether the next part may simply be written.
 class RecordStream {
   public:
-    // The most bytes of a part.
-    static constexpr uint32_t kNumberBytes = 5;
-    static constexpr uint32_t kTakeBytes = 1 + kNumberBytes;
-    // What a wrapper writes behind `step`: of `inputs` what they noted, and `numbers` besides.
-    static constexpr uint32_t conclude_bytes(uint32_t inputs, uint32_t numbers) {
-        return inputs * kTakeBytes + 1 + 2 * 10 + numbers * kNumberBytes;
-    }
-    // Samples of up to so many bytes are part of a part; longer ones are appended.
-    static constexpr uint32_t kShortBytes = 64;
-    // To spare behind the ring of a level: its longest part. The most of each of its tasks.
-    static constexpr uint32_t spare_bytes(uint32_t inputs, uint32_t numbers) {
-        const uint32_t conclude = conclude_bytes(inputs, numbers);
-        const uint32_t sample = kTakeBytes + kShortBytes;
-        return conclude < sample ? sample : conclude;
-    }
-
-    // `size`: a power of two; there are as many bytes, and those to spare.
-    constexpr RecordStream(uint8_t* bytes, uint32_t size)
-        : to_(bytes), limit_(bytes), begin_(bytes), bytes_(bytes), mask_(size - 1) {}
+    // `size`: a power of two.
+    constexpr RecordStream(uint8_t* bytes, uint32_t size) : bytes_(bytes), mask_(size - 1) {}
     RecordStream(const RecordStream&) = delete;
     RecordStream& operator=(const RecordStream&) = delete;
 
     // --- for the wrapper of a task: one record, from `begin` to `end` ---
 
-    // Writes a part of a record. The caller has asked for room for the most that it can be.
+    // Where a part of a record is written, in registers until it is complete. The caller has asked
+    // for room for the most that it can be.
     class Part {
       public:
         [[gnu::always_inline]] explicit Part(RecordStream& stream)
-            : stream_(stream), to_(stream.to_) {}
+            : stream_(stream),
+              bytes_(stream.bytes_),
+              mask_(stream.mask_),
+              position_(stream.position_) {}
         Part(const Part&) = delete;
         Part& operator=(const Part&) = delete;
-        [[gnu::always_inline]] ~Part() { stream_.to_ = to_; }
+        [[gnu::always_inline]] ~Part() { stream_.position_ = position_; }
 
-        [[gnu::always_inline]] void byte(uint8_t value) { *to_++ = value; }
+        [[gnu::always_inline]] void byte(uint8_t value) { bytes_[position_++ & mask_] = value; }
         // Seven bits a byte, the lowest first; the top bit says that more follow.
         [[gnu::always_inline]] void number(uint32_t value) {
-            if (value <= 0x7F) [[likely]] {
-                byte(static_cast<uint8_t>(value));
-            } else {
-                to_ = long_number(to_, value);
-            }
+            for (; value > 0x7F; value >>= 7) byte(static_cast<uint8_t>(value | 0x80U));
+            byte(static_cast<uint8_t>(value));
         }
         [[gnu::always_inline]] void number64(uint64_t value) {
-            if (value > 0x3FFF) [[unlikely]] {
-                to_ = long_number(to_, value);
-                return;
-            }
-            const auto low = static_cast<uint32_t>(value);
-            if (low > 0x7F) byte(static_cast<uint8_t>(low | 0x80U));
-            byte(static_cast<uint8_t>(low > 0x7F ? low >> 7 : low));
-        }
-        [[gnu::always_inline]] void hash(uint32_t value) { bytes<sizeof value>(&value); }
-        template <uint32_t kCount>
-        [[gnu::always_inline]] void bytes(const void* from) {
-            std::memcpy(to_, from, kCount);
-            to_ += kCount;
+            for (; value > UINT32_MAX; value >>= 7) byte(static_cast<uint8_t>(value | 0x80U));
+            number(static_cast<uint32_t>(value));
         }
         // A port took a sample; `further`: its number less that of the sample taken before.
         [[gnu::always_inline]] void take(uint8_t tag, uint32_t further) {
             byte(tag);
             number(further);
+        }
+        void bytes(const void* from, uint32_t count) {
+            const uint32_t begin = position_ & mask_;
+            const uint32_t room = mask_ + 1 - begin;
+            position_ += count;
+            if (count <= room) {
+                std::memcpy(bytes_ + begin, from, count);
+                return;
+            }
+            std::memcpy(bytes_ + begin, from, room);
+            std::memcpy(bytes_, static_cast<const uint8_t*>(from) + room, count - room);
         }
         // Behind what was taken and published: how the activation came about. `previous_us`: of
         // the same task, brought up to date.
@@ -108,19 +88,29 @@ class RecordStream {
 
       private:
         RecordStream& stream_;
-        uint8_t* to_;
+        uint8_t* bytes_;
+        uint32_t mask_;
+        uint32_t position_;
     };
 
-    // A record that is begun, and has no part yet, leaves no trace. It may stand before `step`, so
-    // it asks nothing: `has_room` has left room for it.
+    // The most bytes of a part.
+    static constexpr uint32_t kNumberBytes = 5;
+    static constexpr uint32_t kTakeBytes = 1 + kNumberBytes;
+    static constexpr uint32_t kConcludeBytes = 1 + 2 * 10;
+
+    // A record that is begun and not ended leaves no trace. It may stand before `step`, so it asks
+    // nothing: `has_room` has left room for it.
     [[gnu::always_inline]] void begin(uint32_t task) {
-        to_ = begin_;
+        position_ = written_.load(std::memory_order_relaxed);
         Part(*this).number(task);
     }
     // False, and the record will be lost, if it may need more than there is; so are all after it.
     // Keeps room for the next record's beginning.
     [[gnu::always_inline]] bool has_room(uint32_t count) {
-        return limit_ - to_ >= static_cast<ptrdiff_t>(count) || makes_room(count);
+        const uint32_t used = position_ - taken_.load(kSeen);
+        std::atomic_signal_fence(std::memory_order_seq_cst);
+        is_full_ = is_full_ || mask_ + 1 - used < count + kNumberBytes;
+        return !is_full_;
     }
     [[gnu::noinline]] void take(uint8_t tag, uint32_t further) {
         if (has_room(kTakeBytes)) Part(*this).take(tag, further);
@@ -128,30 +118,14 @@ class RecordStream {
     [[gnu::noinline]] void number(uint32_t value) {
         if (has_room(kNumberBytes)) Part(*this).number(value);
     }
-    // A part of any length, without its own memory to spare.
-    [[gnu::noinline]] void append(const void* from, uint32_t count) {
-        if (!has_room(count)) return;
-        const auto room = static_cast<uint32_t>(ring_end() - to_);
-        if (count < room) {
-            std::memcpy(to_, from, count);
-            to_ += count;
+    [[gnu::always_inline]] void end() {
+        if (!is_full_) {
+            std::atomic_signal_fence(std::memory_order_seq_cst);
+            written_.store(position_, kDone);
             return;
         }
-        std::memcpy(to_, from, room);
-        to_ += room;
-        go_round();
-        std::memcpy(to_, static_cast<const uint8_t*>(from) + room, count - room);
-        to_ += count - room;
-        limit_ = to_;
-    }
-    [[gnu::always_inline]] void end() {
-        if (to_ > limit_) [[unlikely]] {
-            if (!ends_slowly()) return;
-        }
-        begin_ = to_;
-        const uint32_t written = position();
-        std::atomic_signal_fence(std::memory_order_seq_cst);
-        written_.store(written, kDone);
+        const uint32_t lost = lost_.load(std::memory_order_relaxed);
+        lost_.store(lost + 1, kDone);
     }
 
     // Around `step`: who is in its node, and how often another job came in between. `leave` gets
@@ -163,9 +137,7 @@ class RecordStream {
     }
     void leave(RecordStream* outer) {
         inside.store(outer, std::memory_order_relaxed);
-        if (outer != nullptr) [[unlikely]] {
-            ++preemptions_;
-        }
+        preemptions_ += outer != nullptr ? 1U : 0U;
     }
 
     // --- for the logger ---
@@ -190,52 +162,6 @@ class RecordStream {
     uint32_t preemptions() const { return preemptions_; }
 
   private:
-    template <class Value>
-    [[gnu::noinline]] static uint8_t* long_number(uint8_t* to, Value value) {
-        for (; value > 0x7F; value >>= 7) *to++ = static_cast<uint8_t>(value | 0x80U);
-        *to++ = static_cast<uint8_t>(value);
-        return to;
-    }
-
-    uint8_t* ring_end() const { return bytes_ + mask_ + 1; }
-    uint32_t position() const { return base_ + static_cast<uint32_t>(to_ - bytes_); }
-
-    // From behind the ring's end to its beginning.
-    void go_round() {
-        if (to_ < ring_end()) return;
-        const auto over = static_cast<size_t>(to_ - ring_end());
-        std::memcpy(bytes_, ring_end(), over);
-        to_ = bytes_ + over;
-        base_ += mask_ + 1;
-    }
-    [[gnu::noinline, gnu::cold]] bool makes_room(uint32_t count) {
-        if (is_full_) return false;
-        go_round();
-        const uint32_t used = position() - taken_.load(kSeen);
-        std::atomic_signal_fence(std::memory_order_seq_cst);
-        const uint32_t room = mask_ + 1 - used;
-        if (room < count + kNumberBytes) {
-            // From now on a record's beginning goes behind the ring, and all else asks here.
-            is_full_ = true;
-            to_ = begin_ = ring_end();
-            limit_ = bytes_;
-            return false;
-        }
-        const auto side_by_side = static_cast<uint32_t>(ring_end() - to_);
-        limit_ = to_ + (room - kNumberBytes < side_by_side ? room - kNumberBytes : side_by_side);
-        return true;
-    }
-    // False if the record is lost.
-    [[gnu::noinline, gnu::cold]] bool ends_slowly() {
-        if (is_full_) {
-            lost_.store(lost_.load(std::memory_order_relaxed) + 1, kDone);
-            return false;
-        }
-        go_round();
-        limit_ = to_;
-        return true;
-    }
-
     // The stream of the innermost job that is in its node now, over all levels of the machine.
     // Where levels are threads, none interrupts another one inside the program.
 #ifdef __linux__
@@ -244,15 +170,12 @@ class RecordStream {
     static inline std::atomic<RecordStream*> inside{nullptr};
 #endif
 
-    uint8_t* to_;     // the next byte of the record that is being written
-    uint8_t* limit_;  // up to here all is free and lies side by side; below `to_` where it is not
-    uint8_t* begin_;  // of the record
     uint8_t* bytes_;
     uint32_t mask_;                     // size less 1
-    uint32_t base_ = 0;                 // position of the first byte: how often the ring went round
-    std::atomic<uint32_t> written_{0};  // positions: both count bytes modulo 2^32
+    std::atomic<uint32_t> written_{0};  // both count bytes modulo 2^32
     std::atomic<uint32_t> taken_{0};
     std::atomic<uint32_t> lost_{0};
+    uint32_t position_ = 0;  // of the record that is being written
     uint32_t preemptions_ = 0;
     bool is_full_ = false;
 };
@@ -266,9 +189,8 @@ struct RecordedOutput {
     };
     uint8_t tag;
     How how;
-    // Of one whose type its port does not know.
-    const FloatRun* floats = nullptr;
-    uint16_t float_count = 0;
+    const FloatRun* floats;
+    uint16_t float_count;
 };
 
 // One for each level, and one for what is published before anything runs.

@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <bit>
-#include <limits>
 #include <set>
 
 #include "stator/canonical.hpp"
@@ -25,10 +23,6 @@ TEST(sample_hash, differs_for_samples_that_differ) {
     // (0 ^ 1) * 0x9E3779B1, exclusive or its upper 17 bits.
     const std::array<uint32_t, 1> one{1};
     EXPECT_EQ(sample_hash(one.data(), 4), 0x9E3779B1U ^ (0x9E3779B1U >> 15));
-    alignas(8) std::array<uint32_t, 34> long_one{};
-    for (uint32_t i = 0; i < long_one.size(); ++i) long_one[i] = i * 0x01234567U;
-    EXPECT_EQ(sample_hash<32>(long_one.data()), sample_hash(long_one.data(), 32));
-    EXPECT_EQ(sample_hash<136>(long_one.data()), sample_hash(long_one.data(), 136));
     std::array<uint32_t, 8> sample{};
     std::set<uint32_t> hashes{sample_hash(sample.data(), sizeof sample)};
     for (uint32_t& word : sample) {
@@ -51,57 +45,6 @@ TEST(canonicalise, changes_nothing_but_the_bits_of_a_nan) {
     EXPECT_EQ(sample.singles, (std::array<uint32_t, 3>{0x7FC00000, 0xFF800000, 0x7FC00000}));
     EXPECT_EQ(sample.other, 0xFFFFFFFFU);
     EXPECT_EQ(sample.doubles, (std::array<uint64_t, 2>{0x7FF8000000000000, 0x7FF0000000000000}));
-}
-
-struct Few {
-    uint64_t timestamp = 0;
-    std::array<float, 3> singles{1.0F, -2.0F, -0.0F};
-    uint32_t other = 0xFFFFFFFF;
-    float single = 3.0F;
-};
-struct Many {
-    std::array<uint32_t, 20> singles{};
-    uint64_t twofold = 0xFFF0000000000001;
-};
-
-}  // namespace
-
-template <>
-inline constexpr std::array<FloatRun, 2> kFloats<Few>{{{8, 3, 4}, {24, 1, 4}}};
-template <>
-inline constexpr std::array<FloatRun, 2> kFloats<Many>{{{0, 20, 4}, {80, 1, 8}}};
-
-namespace {
-
-TEST(canonicalise, finds_the_numbers_of_a_message) {
-    Few few;
-    few.singles[1] = std::bit_cast<float>(0xFFC12345U);
-    few.single = std::bit_cast<float>(0xFF800001U);
-    canonicalise(few);
-    EXPECT_EQ(std::bit_cast<uint32_t>(few.singles[0]), 0x3F800000U);
-    EXPECT_EQ(std::bit_cast<uint32_t>(few.singles[1]), 0x7FC00000U);
-    EXPECT_EQ(std::bit_cast<uint32_t>(few.single), 0x7FC00000U);
-    EXPECT_EQ(few.other, 0xFFFFFFFFU);
-    Many many;
-    many.singles.fill(0xFF800001);
-    canonicalise(many);
-    for (const uint32_t bits : many.singles) EXPECT_EQ(bits, 0x7FC00000U);
-    EXPECT_EQ(many.twofold, 0x7FF8000000000000U);
-}
-
-TEST(may_have_nan, sees_each_number_of_a_message) {
-    EXPECT_FALSE(may_have_nan(Few{}));
-    const auto nan = std::bit_cast<float>(0xFFC12345U);
-    for (size_t i = 0; i < 3; ++i) {
-        Few few;
-        few.singles[i] = nan;
-        EXPECT_TRUE(may_have_nan(few));
-        few.singles[i] = std::numeric_limits<float>::max();
-        EXPECT_FALSE(may_have_nan(few));
-    }
-    Few few;
-    few.single = nan;
-    EXPECT_TRUE(may_have_nan(few));
 }
 
 }  // namespace

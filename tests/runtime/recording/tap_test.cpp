@@ -12,13 +12,6 @@ struct Measured {
     uint32_t _padding0;
 };
 
-}  // namespace
-
-template <>
-inline constexpr std::array<FloatRun, 1> kFloats<Measured>{{{offsetof(Measured, value), 1, 4}}};
-
-namespace {
-
 class RecordedTopic : public testing::TopicTest {};
 
 // A replay gives each reader the recorded sample. So one that runs inside the publication must not
@@ -36,9 +29,10 @@ TEST_F(RecordedTopic, a_more_urgent_reader_gets_the_canonical_nan) {
         seen = std::bit_cast<uint32_t>(input->value);
     };
     testing::jobs[1] = [&] {
-        std::array<uint8_t, 64 + RecordStream::spare_bytes(0, 0)> bytes{};
-        RecordStream stream(bytes.data(), 64);
-        const RecordedOutput recorded{1, RecordedOutput::How::kHash};
+        std::array<uint8_t, 64> bytes{};
+        RecordStream stream(bytes.data(), bytes.size());
+        constexpr FloatRun kFloats[] = {{offsetof(Measured, value), 1, sizeof(float)}};
+        const RecordedOutput recorded{1, RecordedOutput::How::kHash, kFloats, 1};
         uint32_t number = 0;
         Output<Measured> output;
         output.tap().connect(stream, recorded, number);

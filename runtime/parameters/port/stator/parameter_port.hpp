@@ -55,7 +55,7 @@ class ParameterPort {
         write_parameter(row, message, value);
         std::memcpy(message, &now_us_, sizeof now_us_);  // `timestamp` is every message's first
         Tap tap = taps_.at(row.topic);
-        tap.builds_bytes(message);
+        tap.builds(message);
         const uint32_t hash = tap.commits(message, topic.sample_bytes);
         tap.committed(hash, commit(topic, loaned, message));
     }

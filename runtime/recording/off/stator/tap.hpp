@@ -12,11 +12,8 @@ class Tap {
   public:
     void takes(uint32_t) {}
     void notes(uint32_t) {}
-    template <class Message>
-    void builds(Message&) {}
-    void builds_bytes(std::byte*) {}
-    template <class Message>
-    void published(const Message&, uint32_t) {}
+    void builds(void*) {}
+    void published(const void*, uint32_t, uint32_t) {}
     uint32_t commits(const void*, uint32_t) { return 0; }
     void committed(uint32_t, uint32_t) {}
 };

@@ -13,57 +13,38 @@ namespace stator {
 
 inline constexpr bool kRecords = true;
 
-template <class Message>
-[[gnu::noinline]] void make_canonical(Message& message) {
-    canonicalise(message);
+[[gnu::noinline]] inline void make_canonical(const RecordedOutput& output, void* sample) {
+    canonicalise(static_cast<std::byte*>(sample), output.floats, output.float_count);
 }
 
-// A sample that was published: its hash, and its number less that of the one before.
-[[gnu::noinline]] inline void record_hash(RecordStream& stream, uint8_t tag, uint32_t hash,
-                                          uint32_t further) {
+// A sample that was published, with its hash, and its number less that of the one before.
+[[gnu::always_inline]] inline void record_hash(RecordStream& stream, uint8_t tag, uint32_t hash,
+                                               uint32_t further) {
     if (!stream.has_room(RecordStream::kTakeBytes + sizeof hash)) return;
     RecordStream::Part part(stream);
     part.byte(tag);
-    part.hash(hash);
+    for (unsigned i = 0; i < sizeof hash; ++i) part.byte(static_cast<uint8_t>(hash >> (8 * i)));
     part.number(further);
 }
-// The same in one function for all samples of a length.
-template <uint32_t kBytes>
-[[gnu::noinline]] void record_hashed(RecordStream& stream, uint8_t tag, const void* sample,
-                                     uint32_t further) {
-    if (!stream.has_room(RecordStream::kTakeBytes + sizeof(uint32_t))) return;
+// The sample itself; its number follows.
+[[gnu::always_inline]] inline void record_whole(RecordStream& stream, uint8_t tag,
+                                                const void* sample, uint32_t bytes) {
+    if (!stream.has_room(RecordStream::kTakeBytes + bytes)) return;
     RecordStream::Part part(stream);
     part.byte(tag);
-    part.hash(sample_hash<kBytes>(sample));
-    part.number(further);
-}
-// The sample itself, and its number.
-template <uint32_t kBytes>
-[[gnu::noinline]] void record_whole(RecordStream& stream, uint8_t tag, const void* sample,
-                                    uint32_t further) {
-    if constexpr (kBytes > RecordStream::kShortBytes) {
-        stream.append(&tag, 1);
-        stream.append(sample, kBytes);
-        stream.number(further);
-    } else {
-        if (!stream.has_room(RecordStream::kTakeBytes + kBytes)) return;
-        RecordStream::Part part(stream);
-        part.byte(tag);
-        part.bytes<kBytes>(__builtin_assume_aligned(sample, alignof(uint64_t)));
-        part.number(further);
-    }
+    part.bytes(sample, bytes);
 }
 
 // Of a sample that stays as it is until it is recorded.
-template <uint32_t kBytes>
-[[gnu::always_inline]] inline void record_publication(RecordStream& stream,
-                                                      const RecordedOutput& output,
-                                                      const void* sample, uint32_t further) {
+[[gnu::noinline]] inline void record_publication(RecordStream& stream, const RecordedOutput& output,
+                                                 const void* sample, uint32_t bytes,
+                                                 uint32_t further) {
     switch (output.how) {
         case RecordedOutput::How::kHash:
-            return record_hashed<kBytes>(stream, output.tag, sample, further);
+            return record_hash(stream, output.tag, sample_hash(sample, bytes), further);
         case RecordedOutput::How::kWhole:
-            return record_whole<kBytes>(stream, output.tag, sample, further);
+            record_whole(stream, output.tag, sample, bytes);
+            return stream.number(further);
         case RecordedOutput::How::kStamp:
             return stream.take(output.tag, further);
     }
@@ -75,8 +56,7 @@ template <uint32_t kBytes>
                                                 const void* sample, uint32_t bytes) {
     if (output.how == RecordedOutput::How::kHash) return sample_hash(sample, bytes);
     if (output.how == RecordedOutput::How::kWhole) {
-        stream.append(&output.tag, 1);
-        stream.append(sample, bytes);
+        record_whole(stream, output.tag, sample, bytes);
     }
     return 0;
 }
@@ -123,26 +103,13 @@ class Tap {
         if (has_noted_) part.take(tag_, further(noted_));
     }
     // An output: before anyone can read the sample ...
-    template <class Message>
-    [[gnu::always_inline]] void builds(Message& message) {
-        if (stream_ == nullptr) return;
-        if constexpr (has_few_floats<Message>()) {
-            if (may_have_nan(message)) [[unlikely]] {
-                make_canonical(message);
-            }
-        } else if constexpr (!kFloats<Message>.empty()) {
-            make_canonical(message);
-        }
-    }
-    // ... or whose type the port does not know ...
-    void builds_bytes(std::byte* sample) {
-        if (stream_ != nullptr) canonicalise(sample, output_->floats, output_->float_count);
+    [[gnu::always_inline]] void builds(void* sample) {
+        if (stream_ != nullptr && output_->float_count != 0) make_canonical(*output_, sample);
     }
     // ... and behind its commit, if it stays as it is until then ...
-    template <class Message>
-    [[gnu::always_inline]] void published(const Message& message, uint32_t number) {
+    [[gnu::always_inline]] void published(const void* sample, uint32_t bytes, uint32_t number) {
         if (stream_ == nullptr) return;
-        record_publication<sizeof(Message)>(*stream_, *output_, &message, further(number));
+        record_publication(*stream_, *output_, sample, bytes, further(number));
     }
     // ... or what its slot's next user could change before the commit, and the rest behind it.
     [[gnu::always_inline]] uint32_t commits(const void* sample, uint32_t bytes) {

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "stator/canonical.hpp"
-
 namespace stator {
 
 // Parameters of counter.
@@ -19,9 +17,5 @@ static_assert(sizeof(CounterParams) == 16);
 static_assert(offsetof(CounterParams, timestamp) == 0);
 static_assert(offsetof(CounterParams, first) == 8);
 static_assert(offsetof(CounterParams, rest) == 12);
-
-// Where numbers lie that may be NaN.
-template <>
-inline constexpr std::array<FloatRun, 1> kFloats<CounterParams>{{{12, 1, 4}}};
 
 }  // namespace stator

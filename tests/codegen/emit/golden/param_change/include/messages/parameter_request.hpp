@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "stator/canonical.hpp"
-
 namespace stator {
 
 // A request for a parameter, or to change one.
@@ -57,9 +55,5 @@ static_assert(offsetof(ParameterRequest, float_value) == 16);
 static_assert(offsetof(ParameterRequest, int_value) == 20);
 static_assert(offsetof(ParameterRequest, name) == 24);
 static_assert(offsetof(ParameterRequest, _padding1) == 116);
-
-// Where numbers lie that may be NaN.
-template <>
-inline constexpr std::array<FloatRun, 1> kFloats<ParameterRequest>{{{16, 1, 4}}};
 
 }  // namespace stator

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "stator/canonical.hpp"
-
 namespace stator {
 
 // The answer to a request about a parameter, with the value that counts from now on.
@@ -78,9 +76,5 @@ static_assert(offsetof(ParameterValue, name) == 48);
 static_assert(offsetof(ParameterValue, id) == 140);
 static_assert(offsetof(ParameterValue, on_ground) == 156);
 static_assert(offsetof(ParameterValue, _padding0) == 157);
-
-// Where numbers lie that may be NaN.
-template <>
-inline constexpr std::array<FloatRun, 1> kFloats<ParameterValue>{{{16, 4, 4}}};
 
 }  // namespace stator
