@@ -15,8 +15,8 @@ class Router {
     static constexpr unsigned kPlaces = 16;
 
     void hear(unsigned line, mav::Address from, uint64_t now_us);
-    // Whether a frame that came on line `from` goes to line `to`: what is for all does, what is for
-    // another one only where that one was heard.
+    // Whether a frame of another line goes on to line `to`: what is for all does, what is for one
+    // system or component only where that one was heard.
     bool goes_on(const mav::Frame& frame, mav::Address own, unsigned to) const;
 
   private:

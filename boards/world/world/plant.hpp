@@ -17,7 +17,7 @@
 namespace stator::world {
 
 inline constexpr unsigned kMaxRotors = 12;
-using RotorSpeeds = Eigen::Matrix<double, kMaxRotors, 1>;  // rad/s; 0 where there is no rotor
+using RotorSpeeds = Eigen::Matrix<double, kMaxRotors, 1>;  // rad/s; 0 without a rotor
 using Controls = std::array<float, kMaxRotors>;            // of the motors
 
 // A rotor thrusts along -z_B.

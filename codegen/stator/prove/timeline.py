@@ -34,7 +34,7 @@ class _Waiting:
 
 
 def timeline(task: TaskBound) -> list[Run]:
-    """Up to the end of the activation that responds last; empty if there is no bound."""
+    """Up to the end of the activation that responds last; empty without a bound."""
     if task.window is None:
         return []
     waiting = sorted(_activations(task), key=lambda job: job.comes)

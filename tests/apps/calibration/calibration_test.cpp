@@ -1,4 +1,4 @@
-// Calibrations of a vehicle in somebody's hands: its sensors have known errors.
+// Calibrations of a vehicle in a person's hands: its sensors have known errors.
 #include "calibration.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// DO_ORBIT, what is told of it, and the channels of the radio.
+// DO_ORBIT, its status, and the channels of the radio.
 #include "harness.hpp"
 
 namespace stator::apps::mavlink {

@@ -35,7 +35,7 @@ class RouterTest : public MavlinkTest {
     }
 };
 
-TEST_F(RouterTest, WhatIsForAllGoesToTheOtherLineAndNotBack) {
+TEST_F(RouterTest, what_is_for_all_goes_to_the_other_line_and_not_back) {
     send(mav::Heartbeat{.custom_mode = 5, .type = 6}, 0);
     const std::vector<uint8_t> sent(stations_[0].out.begin(), stations_[0].out.end());
     run(0.1);
@@ -44,7 +44,7 @@ TEST_F(RouterTest, WhatIsForAllGoesToTheOtherLineAndNotBack) {
     EXPECT_TRUE(forwarded(0).empty());
 }
 
-TEST_F(RouterTest, WhatIsTypedIntoAConsoleStaysOnItsLine) {
+TEST_F(RouterTest, what_is_typed_into_a_console_stays_on_its_line) {
     mav::SerialControl message{.device = 10, .count = 1};
     send(message, 0);
     run(0.1);
@@ -56,7 +56,7 @@ TEST_F(RouterTest, WhatIsTypedIntoAConsoleStaysOnItsLine) {
     EXPECT_EQ(forwarded(1).size(), 1U);
 }
 
-TEST_F(RouterTest, WhatIsForAnotherOneGoesOnlyWhereThatWasHeard) {
+TEST_F(RouterTest, what_is_for_another_one_goes_only_where_that_was_heard) {
     send_to(kOther.system, kOther.component, 0);
     run(0.1);
     EXPECT_TRUE(forwarded(1).empty());
@@ -73,7 +73,7 @@ TEST_F(RouterTest, WhatIsForAnotherOneGoesOnlyWhereThatWasHeard) {
     EXPECT_TRUE(heard(mav::CommandAck::kId).empty());
 }
 
-TEST_F(RouterTest, WhatIsForUsStaysHere) {
+TEST_F(RouterTest, what_is_for_us_stays_here) {
     hear(kCamera, 1);
     send_to(1, 1, 0);
     run(0.1);
@@ -91,7 +91,7 @@ TEST_F(RouterTest, WhatIsForUsStaysHere) {
     EXPECT_EQ(heard(mav::CommandAck::kId).size(), 1U);
 }
 
-TEST_F(RouterTest, PrivateMessagesStayHere) {
+TEST_F(RouterTest, private_messages_stay_here) {
     hear(kOther, 1);
     send(mav::RadioStatus{.rxerrors = 3}, 0);
     send(mav::SetupSigning{.target_system = kOther.system, .target_component = 1}, 0);
@@ -100,14 +100,14 @@ TEST_F(RouterTest, PrivateMessagesStayHere) {
     EXPECT_TRUE(forwarded(1).empty());
 }
 
-TEST_F(RouterTest, OurOwnFramesThatComeBackEndHere) {
+TEST_F(RouterTest, our_own_frames_that_come_back_end_here) {
     send(mav::Heartbeat{.custom_mode = 12345, .type = 2}, 0, {1, 1});
     run(0.1);
     for (const auto& beat : heard<mav::Heartbeat>(1)) EXPECT_NE(beat.custom_mode, 12345U);
 }
 
 // Frames of messages that we do not know, and signed ones, byte by byte.
-TEST_F(RouterTest, FramesGoOnUnchanged) {
+TEST_F(RouterTest, frames_go_on_unchanged) {
     const std::vector<uint8_t> unknown{0xFD, 2, 0, 0, 7, 3, 9, 0xF0, 0xF0, 0xF0, 1, 2, 0x12, 0x34};
     std::vector<uint8_t> with_signature{0xFD, 2, 1, 0, 7, 3, 9, 0xF0, 0xF0, 0xF0, 1, 2, 0x12, 0x34};
     for (uint8_t i = 1; i <= mav::kSignatureBytes; ++i) with_signature.push_back(i);
@@ -122,7 +122,7 @@ TEST_F(RouterTest, FramesGoOnUnchanged) {
 }
 
 // 57600 baud: half of it at most is for others, and the vehicle's own streams go on.
-TEST_F(RouterTest, AFloodOfOthersLeavesTheLineToUs) {
+TEST_F(RouterTest, a_flood_of_others_leaves_the_line_to_us) {
     line_.bytes_per_s = 5760;
     run(1.0);
     forget();
@@ -140,7 +140,7 @@ TEST_F(RouterTest, AFloodOfOthersLeavesTheLineToUs) {
     EXPECT_NEAR(static_cast<double>(heard(mav::Attitude::kId).size()), 40.0, 4.0);
 }
 
-TEST_F(RouterTest, InventedAddressesDoNotPushOutThoseThatAreHeard) {
+TEST_F(RouterTest, invented_addresses_do_not_push_out_those_that_are_heard) {
     hear(kOther, 1);
     for (unsigned i = 0; i < 300; ++i) {
         send(mav::Heartbeat{.type = 2}, 0, {static_cast<uint8_t>(10 + i % 200), 9});
