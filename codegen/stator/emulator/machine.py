@@ -34,7 +34,8 @@ OPTIONS = (
     *("--target-list=arm-softmmu", "--without-default-features", "--without-default-devices"),
     *("--enable-system", "--enable-tcg", "--enable-fdt=system", "--disable-docs"),
     *("--disable-tools", "--disable-install-blobs", "--disable-download", "--disable-werror"),
-    "--disable-debug-info",
+    # Less to wait for: a run waits for the model of the peripherals, not for what QEMU computes.
+    *("--disable-debug-info", "-Doptimization=1"),
 )
 # What its build needs of Python, besides what each environment has.
 TOOLS = ("meson==1.12.1", "pycotap==1.3.1")
