@@ -1,5 +1,6 @@
-"""Order of the tests: what takes long by itself comes first, and so is not left for the end. And no
-progress on standard error, which depends on the load of the machine."""
+"""Order of the tests: what takes long by itself comes first, and so is not left for the end. No
+progress on standard error, which depends on the load of the machine. And names of tests that are the
+same in every process that collects them."""
 
 import os
 
@@ -16,3 +17,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return places[0] if places else len(FIRST)
 
     items.sort(key=rank)
+
+
+def pytest_make_parametrize_id(val: object) -> str | None:
+    """A parameter of bytes is named by their number. Their values may differ from process to process
+    (what gzip wrote holds the time), and pytest-xdist refuses workers that found other tests."""
+    return f"{len(val)} bytes" if isinstance(val, bytes) else None
