@@ -47,7 +47,7 @@ bool make_level(unsigned level);
 void wait_at_gate();
 void open_gate(double speed);  // time begins
 void drop_pending();
-void stop_releases();
+void stop_releases();             // what is due by now is still released, late as it may be
 bool is_any_level_busy();         // two looks: true unless all slept in between
 void stop_level(unsigned level);  // once its task has ended
 // False if it has not ended at time `end_us`: then its thread stays.

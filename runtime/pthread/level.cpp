@@ -33,7 +33,7 @@ constexpr uint64_t kSecond_ns = 1'000'000'000;
 uint64_t start_ns = 0;
 double speed = 1.0;
 std::atomic<uint32_t> gate{0};
-std::atomic<bool> releases_end{false};
+std::atomic<uint64_t> last_release_ns{kNever};
 
 uint64_t time_ns(clockid_t clock) {
     timespec now{};
@@ -72,7 +72,6 @@ class LevelThread {
 
   private:
     void run();
-    uint64_t release_due();
     uint64_t make_releases();
     void run_task(unsigned index);
     void sleep(uint64_t until_us);
@@ -109,15 +108,12 @@ void LevelThread::run() {
     prepare_thread(name);
     host::begin_thread();
     wait_at_gate();
-    // Those of the start, also if the end has come meanwhile; not if nothing is to run.
-    if ((word_->load(std::memory_order_relaxed) & kStopBit) == 0) make_releases();
-    for (;;) {
-        const uint64_t next_us = release_due();
-        const uint32_t bits = word_->load(std::memory_order_relaxed);
-        // First, as tasks may pend each other for ever.
-        if ((bits & kStopBit) != 0) break;
-        if ((bits & kTaskBits) != 0) {
-            run_task(static_cast<unsigned>(std::countr_zero(bits)));
+    // Looked at first, as tasks may pend each other for ever.
+    while ((word_->load(std::memory_order_relaxed) & kStopBit) == 0) {
+        const uint64_t next_us = make_releases();
+        const uint32_t tasks = word_->load(std::memory_order_relaxed) & kTaskBits;
+        if (tasks != 0) {
+            run_task(static_cast<unsigned>(std::countr_zero(tasks)));
         } else {
             sleep(next_us);
         }
@@ -126,26 +122,24 @@ void LevelThread::run() {
     has_ended_.store(true, std::memory_order_release);
 }
 
-uint64_t LevelThread::release_due() {
-    return level_->timer_count == 0 || releases_end.load() ? kNever : make_releases();
-}
-
 // Pends what is due, and returns when the next release is. A level that was late makes all releases
 // that it missed; the task counts those that it served together.
 uint64_t LevelThread::make_releases() {
+    if (level_->timer_count == 0) return kNever;
     const uint64_t now_ns = clock_ns();
+    const uint64_t last_ns = last_release_ns.load();
     uint64_t next_us = kNever;
     for (unsigned i = 0; i < level_->timer_count; ++i) {
         const Timer& timer = program.timers[level_->first_timer + i];
         uint64_t release_us = next_release_us(timer);
-        while (release_us * 1000 <= now_ns) {
+        while (release_us * 1000 <= std::min(now_ns, last_ns)) {
             facts_.worst_release_ns = std::max(facts_.worst_release_ns, now_ns - release_us * 1000);
             release(timer);
             release_us = next_release_us(timer);
         }
         next_us = std::min(next_us, release_us);
     }
-    return next_us;
+    return next_us * 1000 <= last_ns ? next_us : kNever;
 }
 
 void LevelThread::run_task(unsigned index) {
@@ -229,7 +223,11 @@ void drop_pending() {
 }
 
 void stop_releases() {
-    releases_end.store(true);
+    last_release_ns.store(gate.load() == 0 ? 0 : clock_ns());
+    // One that should have woken, and is late: it is not at rest before it has made what was due.
+    for (unsigned i = 0; i < program.level_count; ++i) {
+        if (pending_words[i].bits.fetch_or(kAwakeBit) == 0) wake_level(i);
+    }
 }
 
 // Sequentially consistent throughout. A level that sleeps has the word 0, and counts before each
