@@ -1,6 +1,6 @@
 """Order of the tests: what takes long by itself comes first, and so is not left for the end. No
-progress on standard error, which depends on the load of the machine. And names of tests that are the
-same in every process that collects them."""
+progress on standard error, which depends on the load of the machine. And names of tests that are
+the same in every process that collects them."""
 
 import os
 
@@ -20,6 +20,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_make_parametrize_id(val: object) -> str | None:
-    """A parameter of bytes is named by their number. Their values may differ from process to process
-    (what gzip wrote holds the time), and pytest-xdist refuses workers that found other tests."""
+    """A parameter of bytes is named by their number. Values may differ between processes (what
+    gzip wrote holds the time), and pytest-xdist refuses workers that found other tests."""
     return f"{len(val)} bytes" if isinstance(val, bytes) else None
