@@ -44,6 +44,7 @@ COMMANDS = (
     Command("measure", "host firmware emulator", "measure budgets in the emulator, for prove"),
     Command("new", "", "write a new app or graph"),
     Command("fly", "host", "fly a graph in simulation and judge the flight"),
+    Command("campaign", "host", "fly a graph many times with drawn inputs, and report"),
     Command("simulate", "host", "be the simulator of another autopilot, by HIL messages"),
     Command("debug", "host debugger", "fly a graph under a debugger, stopped where a node steps"),
     Command("run", "host", "run a graph in real time on this machine"),

@@ -152,7 +152,7 @@ def complete(arguments: argparse.Namespace) -> Mission | None:
     if wanted is None:
         arguments.duration = arguments.duration or USUAL_DURATION_S
         return None
-    plan = make_plan(str(arguments.graph), arguments.board)
+    plan = plan_of(arguments)
     if not any(node.interface.name == "mission" for node in plan.graph.nodes.values()):
         raise UserError(
             f"error: missing node of app 'mission' in {shown_path(arguments.graph)}\n"
@@ -199,6 +199,14 @@ def vehicle_options(vehicle: Vehicle) -> Iterator[list[str]]:
         file = Path(folder) / "vehicle"
         file.write_text("\n".join([*world_lines(vehicle), ""]), encoding="utf-8")
         yield ["--vehicle", str(file)]
+
+
+def plan_of(arguments: argparse.Namespace) -> Plan:
+    """The plan for the chosen board, made once. Raises `Failed`."""
+    if getattr(arguments, "plan", None) is None:
+        arguments.plan = make_plan(str(arguments.graph), arguments.board)
+    plan: Plan = arguments.plan
+    return plan
 
 
 def place_options(mission: Mission | None) -> list[str]:
@@ -262,7 +270,7 @@ def params_of(arguments: argparse.Namespace) -> list[Replaced]:
     texts = getattr(arguments, "param", [])  # an image has its parameters built in
     if not texts:
         return []
-    return read_params(make_plan(str(arguments.graph), arguments.board).graph, texts)
+    return read_params(plan_of(arguments).graph, texts)
 
 
 def flown_graph(arguments: argparse.Namespace, plan: Plan) -> Graph:
@@ -274,7 +282,7 @@ def faults_of(arguments: argparse.Namespace) -> list[Fault]:
     """Raises `UserError` for one that the graph does not have."""
     if not arguments.fail:
         return []
-    plan = make_plan(str(arguments.graph), arguments.board)
+    plan = plan_of(arguments)
     faults = read_faults(plan, arguments.fail, arguments.seed, 0.4 * arguments.duration)
     stuck = next((fault for fault in faults if fault.is_of_node), None)
     if stuck is not None and plan.board.executor != "virtual":
@@ -341,12 +349,12 @@ def recording_of(arguments: argparse.Namespace) -> dict[str, str]:
 
     if not is_recorded(arguments):
         return {}
-    check_recording_rate(make_plan(str(arguments.graph), arguments.board))
+    check_recording_rate(plan_of(arguments))
     return RECORDING
 
 
 def is_recorded(arguments: argparse.Namespace) -> bool:
-    return not arguments.no_record and has_logger(make_plan(str(arguments.graph), arguments.board))
+    return not arguments.no_record and has_logger(plan_of(arguments))
 
 
 def has_logger(plan: Plan) -> bool:
@@ -357,7 +365,7 @@ def has_logger(plan: Plan) -> bool:
 
 def is_judged(arguments: argparse.Namespace) -> bool:
     """Whether there is a flight to judge: a vehicle with motors, and a log."""
-    plan = make_plan(str(arguments.graph), arguments.board)
+    plan = plan_of(arguments)
     nodes = plan.graph.nodes.values()
     has_motors = any(node.device == "motors" or node.interface.name == "can_esc" for node in nodes)
     return has_motors and has_logger(plan)
@@ -365,7 +373,7 @@ def is_judged(arguments: argparse.Namespace) -> bool:
 
 def setting_of(arguments: argparse.Namespace, mission: Mission | None = None) -> Setting:
     """What the flight is flown with, for its invariants."""
-    plan = make_plan(str(arguments.graph), arguments.board)
+    plan = plan_of(arguments)
     faults = faults_of(arguments)
     unseen_s = min((f.from_s for f in faults if f.is_unseen), default=math.inf)
     adrift_s = min((f.from_s for f in faults if f.takes_steering_away), default=math.inf)

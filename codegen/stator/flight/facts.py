@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import functools
 import hashlib
 import json
 import signal
@@ -20,7 +21,9 @@ from stator.mission.vehicle import Vehicle
 if TYPE_CHECKING:
     import argparse
     import subprocess
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+
+    from pyulog import ULog
 
     from stator.flight.judge import Judgement, Problem
     from stator.mission.model import Mission
@@ -121,10 +124,11 @@ def facts_of(
         facts |= {"preemptions": None, "unrecorded_activations": None}
     if finished.returncode == NOT_WHOLE:
         return facts | {"reason": f"cannot judge the flight: {complaint_of(finished)}"}
+    opened = functools.cache(functools.partial(open_log, log))  # reading takes most of the time
     knows_plan = judges and not is_guided
-    facts |= _ending(log, truth, run, mission, cut=cut, judges=knows_plan, in_wind=in_wind)
+    facts |= _ending(opened, truth, run, mission, cut=cut, judges=knows_plan, in_wind=in_wind)
     if judges:
-        facts |= _invariants(log, truth, run, setting or Setting(), str(facts["reason"]))
+        facts |= _invariants(opened, truth, run, setting or Setting(), str(facts["reason"]))
     if facts["missed_life_signs"]:
         silent = f"{facts['missed_life_signs']} missed life signs: a task did not run in time"
         facts |= {"success": False, "reason": f"{silent}; {facts['reason']}"}
@@ -138,7 +142,7 @@ def mission_facts(arguments: argparse.Namespace, mission: Mission | None) -> dic
 
 
 def _ending(
-    log: Path,
+    opened: Callable[[], ULog],
     truth: Path,
     run: dict[str, Any],
     mission: Mission | None,
@@ -151,7 +155,7 @@ def _ending(
     restarts = run["ended"] == "restart"
     if not judges:
         return {"success": True, "reason": f"ended by {RESTART}" if restarts else "ran to its end"}
-    facts = _judged(log, truth, run, mission, in_wind=in_wind)
+    facts = _judged(opened, truth, run, mission, in_wind=in_wind)
     if not facts.get("success") and run.get("ended") == "time_limit":
         if mission is not None and walk(mission, Vehicle()).is_endless:
             cut += " (the mission itself has no end)"
@@ -167,7 +171,7 @@ def complaint_of(finished: subprocess.CompletedProcess[str]) -> str:
 
 
 def _judged(
-    log: Path,
+    opened: Callable[[], ULog],
     truth: Path,
     run: dict[str, object],
     mission: Mission | None,
@@ -179,7 +183,7 @@ def _judged(
     from stator.flight.mission import judge_mission, modes_of
 
     try:
-        ulog = open_log(log)
+        ulog = opened()
         flight = read_flight(ulog, read_truth(truth), run)
         if mission is not None:
             flown = judge_mission(ulog, flight, mission)
@@ -193,12 +197,12 @@ def _judged(
 
 
 def _invariants(
-    log: Path, truth: Path, run: dict[str, Any], setting: Setting, reason: str
+    opened: Callable[[], ULog], truth: Path, run: dict[str, Any], setting: Setting, reason: str
 ) -> dict[str, object]:
     """What changes in the facts of a flight that broke an invariant."""
     try:
         columns = read_truth_columns(truth)
-        broken = first_broken(open_log(log), columns, str(run["ended"]), setting)
+        broken = first_broken(opened(), columns, str(run["ended"]), setting)
     except UnreadableFlight:
         return {}  # the judgement says so
     if broken is None:
