@@ -47,6 +47,8 @@ if TYPE_CHECKING:
 
 # Signals that come from outside: the flight has no result.
 OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+# Rooms that have an influence on a result.
+JUDGING = ("language", "graph", "plan", "emit", "mission", "params", "flight", "campaign")
 
 
 class NotFlown(Exception):
@@ -76,9 +78,10 @@ class Kit:
 
 @lru_cache(maxsize=1)
 def sources_sha256() -> str:
-    """Of the Python code: a worker with another one could judge otherwise."""
+    """Of the Python code that flies and judges: a worker with another one could judge otherwise."""
     found = hashlib.sha256()
-    for file in sorted((HOME / "codegen" / "stator").rglob("*.py")):
+    folder = HOME / "codegen" / "stator"
+    for file in sorted(file for room in JUDGING for file in (folder / room).rglob("*.py")):
         found.update(str(file.relative_to(HOME)).encode() + b"\n" + file.read_bytes())
     return found.hexdigest()
 
