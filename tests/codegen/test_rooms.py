@@ -26,7 +26,18 @@ ROOMS = (
         "live",
         "params",
     ),
-    *("flight", "campaign", "charts", "convert", "score", "emulator", "bench", "schema", "testing", "commands"),
+    *(
+        "flight",
+        "campaign",
+        "charts",
+        "convert",
+        "score",
+        "emulator",
+        "bench",
+        "schema",
+        "testing",
+        "commands",
+    ),
     "__main__",
 )
 RANK = dict.fromkeys(GROUND, 0) | {name: i for i, name in enumerate(ROOMS, 1)}
