@@ -51,6 +51,7 @@ COMMANDS = (
     Command("build", "host firmware", "build the firmware of a graph and show its size"),
     Command("flash", "host firmware", "write the firmware of a graph to a board"),
     Command("emulate", "host firmware emulator", "fly the firmware of a graph in an emulator"),
+    Command("view", "graphviz", "show a running vehicle, or a log, in the browser"),
     Command("top", "", "show the tasks of a running vehicle"),
     Command("listener", "", "print the samples of a topic of a running vehicle"),
     Command("perf", "", "show the measured times of a running vehicle beside their bounds"),

@@ -31,6 +31,7 @@ ROOMS = (
         "campaign",
         "charts",
         "convert",
+        "view",
         "score",
         "emulator",
         "bench",

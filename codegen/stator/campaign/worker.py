@@ -144,13 +144,14 @@ class Hangar:
             mission,
             cut=cut_of(arguments),
             judges=is_judged(arguments),
-            is_guided=self.kit.by == "invariants",
             in_wind=is_windy(arguments),
             setting=setting_of(arguments, mission),
         )
         broken = facts["broken_invariant"]
         assert broken is None or isinstance(broken, dict)
         facts["broken_invariant"] = None if broken is None else broken["name"]
+        if self.kit.by == "invariants" and broken is None and not facts["missed_life_signs"]:
+            facts |= {"success": True, "reason": "kept all invariants"}
         return facts
 
     def _crash(self, finished: subprocess.CompletedProcess[str]) -> dict[str, Any]:

@@ -59,6 +59,11 @@ float64 w 1
 """
 
 
+def ros_type_of(name: str) -> str:
+    """Of a type of a message's field."""
+    return {"float": "float32", "double": "float64"}.get(name, name)
+
+
 class Channel(NamedTuple):
     name: str
     schema: str
@@ -69,7 +74,7 @@ class Channel(NamedTuple):
 
 def write_mcap(topics: list[Topic], output: Path) -> None:
     """All samples in the order of their times, which count from the vehicle's start."""
-    channels = [*map(_channel, topics), *_places(topics)]
+    channels = [*map(channel_of, topics), *_places(topics)]
     times = np.concatenate([channel.time_us for channel in channels])
     owners = np.repeat(np.arange(len(channels)), [len(channel.time_us) for channel in channels])
     numbers = np.concatenate([np.arange(len(channel.time_us)) for channel in channels])
@@ -88,7 +93,7 @@ def write_mcap(topics: list[Topic], output: Path) -> None:
         writer.finish()  # type: ignore[no-untyped-call]
 
 
-def _channel(topic: Topic) -> Channel:
+def channel_of(topic: Topic) -> Channel:
     lines = [f"{_ros_type(field)} {field.name}\n" for field in topic.fields]
     schema = f"stator_msgs/msg/{upper_camel(topic.name)}"
     records = _records(topic)

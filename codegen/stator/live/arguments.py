@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import argparse
 
 
-def add_link_arguments(parser: argparse.ArgumentParser) -> None:
+def add_link_arguments(parser: argparse.ArgumentParser, *, has_json: bool = True) -> None:
     parser.add_argument(
         "--link",
         type=Path,
@@ -26,4 +26,5 @@ def add_link_arguments(parser: argparse.ArgumentParser) -> None:
         help="graph file (default: the one that run or emulate has; for a serial port, one of "
         "Stator's own graphs)",
     )
-    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    if has_json:
+        parser.add_argument("--json", action="store_true", help="print the result as JSON")

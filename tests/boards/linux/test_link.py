@@ -11,6 +11,8 @@ from signal import SIGINT
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from websockets.sync.client import connect
+from websockets.typing import Subprotocol
 
 from stator import HOME
 from stator import __main__ as cli
@@ -18,11 +20,13 @@ from stator.build.cmake import PLAIN, build
 from stator.live import place as link_place
 from stator.live.link import Link, NoLink
 from stator.live.place import graph_of
+from stator.pipeline import make_plan
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 COMMAND = [sys.executable, "-I", "-X", "utf8", "-m", "stator", "run", "--json"]
+VIEW = Subprotocol("foxglove.websocket.v1")
 START_S = 300.0  # until it is built and runs, on a busy machine
 
 
@@ -223,3 +227,26 @@ def test_a_build_without_counters_says_so(
     assert row["activations"] > 0
     assert {row[key] for key in ("load_pct", "last_us", "mean_us", "max_us")} == {None}
     assert "no times" in text
+
+
+def test_view_shows_it(running: tuple[Path, int]) -> None:
+    """What the page is told of the tasks that run and the topics that they publish."""
+    command = [sys.executable, "-I", "-X", "utf8", "-m", "stator", "view", "--port", "0"]
+    words = ["--link", str(running[0]), "--graph", str(WAITS)]
+    with subprocess.Popen([*command, *words], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            place = process.stdout.readline().split("/")[2]
+            with connect(f"ws://{place}/", subprotocols=[VIEW]) as viewer:
+                json.loads(viewer.recv(timeout=START_S))
+                channels = json.loads(viewer.recv(timeout=START_S))["channels"]
+                state = next(c["id"] for c in channels if c["topic"] == "/stator/state")
+                ask = {"op": "subscribe", "subscriptions": [{"id": 7, "channelId": state}]}
+                viewer.send(json.dumps(ask))
+                told = json.loads(viewer.recv(timeout=START_S)[13:])
+        finally:
+            process.send_signal(SIGINT)
+            assert process.wait(START_S) == 0
+    plan = make_plan(str(WAITS), "linux")
+    assert [task["task"] for task in told["tasks"]] == [task.node.name for task in plan.tasks]
+    assert any(task["activations"] > 0 for task in told["tasks"])

@@ -9,7 +9,7 @@ import pytest
 
 from stator import HOME
 from stator import __main__ as cli
-from stator.commands.graph import View, dot
+from stator.charts.graph import View, dot
 from stator.pipeline import make_plan
 from stator.plan.plan import Plan
 
