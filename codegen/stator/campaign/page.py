@@ -196,6 +196,16 @@ def _kind(row: dict[str, Any]) -> str:
     return re.sub(r" -?\d+\.\d+( \w+(/s)?)?$", "", text)
 
 
+def draw_found(summary: Summary, rows: Rows, file: Path) -> None:
+    """The curve that answers `find`, if its input varies."""
+    if summary.found is None:
+        return
+    name, share, at = summary.found
+    failed = [not row["success"] for row in rows]
+    for each in [each for each, _, _ in summary.strengths if each.name == name]:
+        draw_curve(curve(each.values, failed), each.label, file, (share, at))
+
+
 def _curves(summary: Summary, rows: Rows) -> list[tuple[str, str]]:
     failed = [not row["success"] for row in rows]
     found = []

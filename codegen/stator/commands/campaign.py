@@ -18,7 +18,7 @@ from stator.arguments import add_verbose_argument, path
 from stator.build.cmake import build
 from stator.campaign.definition import MAX_FLIGHTS, Campaign, read_campaign
 from stator.campaign.draw import row_of
-from stator.campaign.page import Summary, found_text, page, summary_of
+from stator.campaign.page import Summary, draw_found, found_text, page, summary_of
 from stator.campaign.results import Results
 from stator.diagnostics import NOT_DONE, in_place, shown_path
 from stator.lock import Line
@@ -90,6 +90,7 @@ def main(arguments: argparse.Namespace) -> int:
     def command_of(number: int) -> str:
         return in_place(f"./stator fly {_words(campaign, row_of(campaign, number))}")
 
+    draw_found(summary, table, folder / "find.png")
     report = folder / "report.html"
     report.write_text(page(campaign, table, summary, command_of, pictures), encoding="utf-8")
     if arguments.json:

@@ -131,6 +131,16 @@ def test_a_graph_that_is_not_there(tmp_path: Path) -> None:
     assert ":1:8: error: missing graph file 'quad.yml'" in failed.value.errors[0].text()
 
 
+def test_the_example_of_the_documents_is_right(tmp_path: Path) -> None:
+    text = (HOME / "docs" / "campaigns.md").read_text(encoding="utf-8")
+    file = tmp_path / "example.yaml"
+    example = text.partition("```yaml\n")[2].partition("```")[0]
+    file.write_text(example.replace("../", f"{HOME}/graph/"), encoding="utf-8")
+    campaign = read_campaign(file)
+    assert [fault.name for fault in campaign.faults] == ["gnss0.loss"]
+    assert campaign.find == ("wind", 0.01)
+
+
 @pytest.mark.parametrize(
     "file", sorted((HOME / "graph" / "campaigns").glob("*.yaml")), ids=lambda file: file.stem
 )

@@ -105,6 +105,7 @@ def test_killed_workers_and_interruptions_leave_no_trace(
         assert (folder / name).read_bytes() == (flown / name).read_bytes()
     assert sorted(path.name for path in folder.iterdir()) == [
         "campaign.json",
+        "find.png",
         "flights.parquet",
         "report.html",
     ]
