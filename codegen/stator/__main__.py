@@ -59,7 +59,7 @@ COMMANDS = (
     Command("shell", "", "type commands to a running vehicle: top, listener, param"),
     Command("plot", "", "draw plots of a flight from its log"),
     Command("compare", "", "show what differs between flights, and draw them in one picture"),
-    Command("convert", "", "write the log of a flight for other tools: MCAP, CSV"),
+    Command("convert", "", "write the log of a flight for other tools: MCAP, CSV, Parquet"),
     Command("replay", "host", "repeat a recorded flight and compare every sample"),
     Command("score", "host", "score an estimator on recorded sensor data"),
     Command("bench", "host tests", "compare speed with other software, as ratios within one run"),

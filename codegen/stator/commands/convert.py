@@ -24,8 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--to",
         choices=FORMATS,
         required=True,
-        help="mcap: one file for Foxglove, rosbag2 and PlotJuggler, with ROS 2 messages; "
-        "csv: a folder with a table for each topic",
+        help="mcap: one file for Foxglove, rosbag2 and PlotJuggler, with ROS 2 messages; csv, "
+        "parquet: a folder with a table for each topic; plotjuggler, foxglove: a layout with the "
+        "standard plots",
     )
     parser.add_argument(
         "--topic",

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from stator.convert.layouts import write_foxglove, write_plotjuggler
 from stator.convert.mcap import write_mcap
-from stator.convert.tables import write_csv
+from stator.convert.tables import write_csv, write_parquet
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,4 +22,10 @@ class Format(NamedTuple):
     write: Callable[[list[Topic], Path], None]
 
 
-FORMATS = {"mcap": Format(".mcap", write_mcap), "csv": Format("-csv", write_csv)}
+FORMATS = {
+    "mcap": Format(".mcap", write_mcap),
+    "csv": Format("-csv", write_csv),
+    "parquet": Format("-parquet", write_parquet),
+    "plotjuggler": Format("-plotjuggler.xml", write_plotjuggler),
+    "foxglove": Format("-foxglove.json", write_foxglove),
+}
