@@ -15,9 +15,8 @@ constexpr float kGap = 0.1F;       // s
 constexpr float kGapRate = 0.1F;   // rad/s
 constexpr float kGapForce = 1.0F;  // m/s^2
 
-// What an accelerometer in doubt may be wrong by, and for how long the same way.
-constexpr float kDoubtfulForce = 10.0F;  // m/s^2
-constexpr float kDoubtTime = 0.2F;       // s
+// For how long what stands in for an accelerometer in doubt is wrong the same way.
+constexpr float kDoubtTime = 0.2F;  // s
 // What was learned meanwhile may be wrong by this.
 constexpr float kDoubtfulGyroBias = 0.03F;  // rad/s
 
@@ -97,7 +96,8 @@ void Filter::start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance
     covariance_.limit();
 }
 
-void Filter::predict(const MotionWindow::Step& step, const NavigationParams& params, bool doubts) {
+void Filter::predict(const MotionWindow::Step& step, const NavigationParams& params,
+                     float force_error) {
     Motion motion = step.motion;
     const float time = motion.time;
     // What the bias changed by since it was taken off.
@@ -111,7 +111,10 @@ void Filter::predict(const MotionWindow::Step& step, const NavigationParams& par
     if (level_force_N_.squaredNorm() < math::square(kTellingForce)) seen_push_N.head<2>().setZero();
     Covariance::Noise noise = noise_of(time, params);
     noise.velocity += second_order(seen_push_N, time, variance(kHeading));
-    if (doubts) noise.velocity += math::square(kDoubtfulForce) * kDoubtTime * time;
+    noise.velocity += math::square(force_error) * kDoubtTime * time;
+    // Nothing is learned of an accelerometer that is not used.
+    if (force_error > 0.0F)
+        covariance_.reset(ErrorState::kAccelBias, 3, math::square(params.accel_bias_uncertainty));
     covariance_.predict(R_NB, seen_push_N, time, noise);
     covariance_.limit();
     kinematics_ = moved(kinematics_, motion);

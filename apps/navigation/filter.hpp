@@ -46,9 +46,9 @@ class Filter {
     // At rest at the origin, with this attitude and this uncertainty of its tilt.
     void start(uint64_t time_us, const Quaternion& q_NB, float tilt_variance,
                float heading_variance, const NavigationParams& params);
-    // `doubts`: the accelerometer may be wrong by anything.
+    // What is felt may be wrong by `force_error`, m/s^2.
     void predict(const MotionWindow::Step& step, const NavigationParams& params,
-                 bool doubts = false);
+                 float force_error = 0.0F);
     // Fuses one scalar whose innovation and noise variance these are, if it passes the gate.
     Fusion fuse(const ObservationModel& model, float innovation, float variance, float gate,
                 bool keep_tilt = false);

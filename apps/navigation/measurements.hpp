@@ -77,7 +77,9 @@ class BaroRate {
         }
         samples_[count_++] = {time_us, height};
     }
-    bool known() const { return count_ == kSamples; }
+    bool known(uint64_t now_us) const {
+        return count_ == kSamples && now_us < newest_us_ + kOld_us;
+    }
     // Up, m/s, in the middle of the last samples.
     float value() const {
         float t = 0.0F, h = 0.0F, tt = 0.0F, th = 0.0F;
@@ -96,6 +98,7 @@ class BaroRate {
   private:
     static constexpr unsigned kSamples = 8;  // 0.3 s
     static constexpr uint64_t kLongestGap_us = 200'000;
+    static constexpr uint64_t kOld_us = 1'000'000;
     struct Sample {
         uint64_t time_us = 0;
         float height = 0.0F;
@@ -103,6 +106,24 @@ class BaroRate {
     std::array<Sample, kSamples> samples_{};
     uint64_t newest_us_ = 0;
     unsigned count_ = 0;
+};
+
+// One sample that is far from those before and after it is not what was measured.
+class Spike {
+  public:
+    explicit Spike(float fastest) : fastest_(fastest) {}  // change, per s
+    // The sample, or the one before in its place; a second one that is as far away is true.
+    Vector without(const Vector& sample, float dt) {
+        const bool is_far = (sample - last_).cwiseAbs().maxCoeff() > fastest_ * dt;
+        if (!is_far || was_far_) last_ = sample;
+        was_far_ = is_far && !was_far_;
+        return last_;
+    }
+
+  private:
+    float fastest_;
+    Vector last_ = Vector::Zero();
+    bool was_far_ = false;
 };
 
 // Whether a sensor gives the same sample again and again: a live one has noise.

@@ -14,7 +14,9 @@ constexpr unsigned kFrozenBaro = 50;
 constexpr unsigned kClippedGyro = 30;
 constexpr unsigned kFrozenGnss = 3;
 // Without IMU samples for so long, nothing is known.
-constexpr uint64_t kSilent_us = 100'000;
+constexpr float kSilent = 0.1F;  // s
+// What leans so far has lost control, and turns as no gyro of this kind can be trusted.
+constexpr float kTumbled = 0.17F;  // the cosine of 80 deg
 // A longer gap between IMU samples cannot be integrated across.
 constexpr float kLongestGap = 2.0F;  // s
 // The magnetometer and the barometer are thinned to this: more costs time and tells little.
@@ -53,6 +55,7 @@ void Navigation::step(NavigationPorts& ports) {
     if (ports.status)
         disarmed_ = ports.status->arming_state == VehicleStatus::ArmingState::kDisarmed;
     flies_ = ports.land && !ports.land->landed && !disarmed_ && ports.motors;
+    has_flown_ = !disarmed_ && (has_flown_ || flies_);
     if (ports.motors) command_ = sum_of_commands(*ports.motors);
     if (disarmed_) {
         disagreement_.jump_N.setZero();
@@ -75,7 +78,7 @@ void Navigation::step(NavigationPorts& ports) {
     work(params);
     if (moved_on)
         publish(ports);
-    else if (ports.now > imu_us_ + kSilent_us)
+    else if (imu_age() > kSilent)
         publish_lost(ports);
     if (measured_) publish_state(ports);
     measured_ = false;
@@ -86,18 +89,19 @@ bool Navigation::read_imu(NavigationPorts& ports) {
     bool any = false;
     while (ports.gyro.next()) {
         const uint64_t time_us = ports.gyro->timestamp_sample;
-        const Vector rate_B = math::vector(ports.gyro->xyz);
+        const float dt = time_us > imu_us_ ? static_cast<float>(time_us - imu_us_) * 1e-6F : 0.0F;
+        const Vector rate_B = gyro_spike_.without(math::vector(ports.gyro->xyz), dt);
         const float value = rate_B.x() + 2.0F * rate_B.y() + 4.0F * rate_B.z();
-        if (frozen_gyro_.update(value, kFrozenImu) && flies_) continue;
+        if (frozen_gyro_.update(value, kFrozenImu) && has_flown_) continue;
         while (accel_us_ < time_us && ports.accel.next()) {
             const Vector force_B = math::vector(ports.accel->xyz);
             if (!is_finite(force_B)) continue;
             accel_us_ = ports.accel->timestamp_sample;
-            queued_force_B_ = force_B;
+            queued_force_B_ = accel_spike_.without(force_B, dt);
         }
         for (unsigned axis = 0; axis < 3; ++axis) {
             if (clipped_gyro_[axis].update(rate_B(axis), kClippedGyro) && flies_)
-                clipped_us_ = time_us;
+                astray_us_ = time_us;
         }
         if (accel_us_ == 0 || time_us <= imu_us_ || !is_finite(rate_B)) continue;
         add_imu(time_us, rate_B, *ports.params);
@@ -128,9 +132,12 @@ void Navigation::add_imu(uint64_t time_us, const Vector& rate_B, const Navigatio
         proven_s_ = math::min(proven_s_ + dt, kProven_s);
     // Until then satellites may still find what the compass is wrong by.
     if (proven_s_ < kProven_s) proven_mag_offset_ = filter_.mag_offset();
+    const Quaternion& q = filter_.kinematics().q_NB;
+    const float cos_tilt = 1.0F - 2.0F * (math::square(q.x()) + math::square(q.y()));
+    if (flies_ && cos_tilt < kTumbled) astray_us_ = time_us;
     if (flies_)
-        doubt_.update(command_, -force.z(), dt);
-    else
+        doubt_.update(command_, force, dt);
+    else if (!has_flown_)
         doubt_.reset();
     if (flies_ && filter_.has_impossible_accel_bias()) {
         doubt_.refuted();
@@ -141,6 +148,7 @@ void Navigation::add_imu(uint64_t time_us, const Vector& rate_B, const Navigatio
     if (window_.open_time() + 0.5F * dt < params.step_time) return;
     if (window_.full()) predict(params, true);
     window_.close(time_us, filter_.bias());
+    doubt_.follow_wind(filter_.kinematics().q_NB, params.step_time);
 }
 
 void Navigation::start(const NavigationParams& params) {
@@ -213,14 +221,14 @@ void Navigation::read_gnss(const SensorGps& fix, const NavigationParams& params)
     const float value = measurement.position_N.x() + 2.0F * measurement.position_N.y() +
                         4.0F * velocity_N.x() + 8.0F * velocity_N.y();
     // Some receivers hold what stands; what flies changes.
-    if (frozen_gnss_.update(value, kFrozenGnss) && flies_) return;
+    if (frozen_gnss_.update(value, kFrozenGnss) && has_flown_) return;
     if (!gnss_.push(measurement)) ++late_;
 }
 
 void Navigation::read_baro(const SensorBaro& sample, float wash) {
     const float pressure = sample.pressure - wash;
     if (!(pressure > 0.0F) || !math::is_finite(pressure)) return;
-    if (frozen_baro_.update(sample.pressure, kFrozenBaro) && flies_) return;
+    if (frozen_baro_.update(sample.pressure, kFrozenBaro) && has_flown_) return;
     if (sample.timestamp_sample < baro_.newest_us() + kMinInterval_us) return;
     const float ratio = math::pow(pressure / kPressureAtSea, kPressureExponent);
     if (!baro_.push({sample.timestamp_sample, kScaleHeight * (1.0F - ratio)})) ++late_;

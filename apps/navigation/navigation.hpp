@@ -72,6 +72,11 @@ class Navigation {
     bool is_due(DelayedMeasurements<Measurement, kCapacity>& delayed);
 
     // Outputs.
+    // Of the newest sample, s: by how much its time is off.
+    float imu_age() const {
+        const uint64_t age_us = now_us_ > imu_us_ ? now_us_ - imu_us_ : imu_us_ - now_us_;
+        return static_cast<float>(age_us) * 1e-6F;
+    }
     void smooth(const Kinematics& before, const Kinematics& after);
     Kinematics output() const;
     void publish(NavigationPorts& ports);
@@ -102,8 +107,9 @@ class Navigation {
     Vector queued_force_B_ = Vector::Zero();
     float rest_s_ = 0.0F;  // for how long it has been still
     bool disarmed_ = false;
-    bool flies_ = false;    // for certain
-    float command_ = 0.0F;  // the motors' sum
+    bool flies_ = false;      // for certain
+    bool has_flown_ = false;  // since it was armed: what has landed may only seem to
+    float command_ = 0.0F;    // the motors' sum
 
     // What the fusion goes on with in the next activation.
     unsigned gnss_next_ = 0;
@@ -128,6 +134,8 @@ class Navigation {
     Vector last_fix_velocity_N_ = Vector::Zero();
     double last_fix_height_ = 0.0;
     float drifts_for_s_ = 0.0F;
+    float fix_interval_s_ = 0.0F;
+    float vertical_refused_s_ = 0.0F;  // for how long satellites' vertical velocity was left out
     // Where the receiver went without a velocity that explains it.
     Eigen::Vector2f receiver_jump_N_ = Eigen::Vector2f::Zero();
     uint64_t last_fix_us_ = 0;
@@ -141,7 +149,10 @@ class Navigation {
     bool baro_has_failed_ = false;
     Frozen frozen_gyro_;
     std::array<Frozen, 3> clipped_gyro_;
-    uint64_t clipped_us_ = 0;  // when last
+    // When it last turned faster than the gyro can measure, tumbled, or contradicted satellites.
+    uint64_t astray_us_ = 0;
+    Spike gyro_spike_{1e3F};     // rad/s^2
+    Spike accel_spike_{1.2e4F};  // m/s^3
     Frozen frozen_gnss_;
     Frozen frozen_baro_;
 

@@ -71,7 +71,7 @@ bool Navigation::predict(const NavigationParams& params, bool at_once) {
     if (window_.empty()) return false;
     const float delay = static_cast<float>(imu_us_ - window_.step_end_us()) * 1e-6F;
     if (!at_once && delay < params.fusion_delay) return false;
-    filter_.predict(window_.take(), params, doubt_.now());
+    filter_.predict(window_.take(), params, doubt_.force_error());
     return true;
 }
 
@@ -113,6 +113,7 @@ bool Navigation::fuse_gnss(const NavigationParams& params) {
 // A receiver's velocity against how its positions change: two measurements that should agree.
 void Navigation::compare(const GnssMeasurement& fix) {
     const float dt = static_cast<float>(fix.time_us - last_fix_us_) * 1e-6F;
+    fix_interval_s_ = math::clamp(dt, 0.0F, kLongestFixGap);
     const bool is_next = last_fix_us_ != 0 && dt > 0.0F && dt < kLongestFixGap;
     if (is_next && fix.has_velocity) {
         const Vector travelled_N = (fix.velocity_N + last_fix_velocity_N_) * (0.5F * dt);
@@ -162,6 +163,8 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
         axis == 0 ? done.test_ratio : math::max(ratios_.vel_test_ratio, done.test_ratio);
     if (axis == 2) {
         innovations_.gps_vvel = innovation;
+        doubt_.correct(innovation, fix_interval_s_);
+        vertical_refused_s_ = done.fused() ? 0.0F : vertical_refused_s_ + fix_interval_s_;
         if (!done.fused()) believe_vertical(fix, fix.velocity_N.z());
         return;
     }
@@ -173,6 +176,7 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
     const bool first = !velocity_aid_.started();
     const bool fused = !first && north_fused_ && done.fused();
     const bool late = velocity_aid_.note(fused, fix.time_us, params.reset_timeout);
+    if (flies_ && velocity_aid_.refused_for(fix.time_us) > kWitness) astray_us_ = imu_us_;
     // Positions that move as the velocity says are a second witness against the inertial solution.
     const bool agreed = velocity_aid_.refused_for(fix.time_us) > kWitness &&
                         inconsistency_N_.head<2>().squaredNorm() < math::square(kWitnessAgrees) &&
@@ -194,9 +198,14 @@ void Navigation::fuse_velocity(unsigned axis, const GnssMeasurement& fix,
 
 // Satellites contradict the vertical velocity. If the barometer agrees with them, the inertial
 // solution is what is wrong: two sensors that know nothing of each other are believed at once.
+// Without a barometer that agrees with either, their heights are the witness, a little later.
 void Navigation::believe_vertical(const GnssMeasurement& fix, float velocity) {
-    if (!velocity_aid_.started() || !baro_rate_.known()) return;
-    if (math::abs(-baro_rate_.value() - velocity) > kAgrees) return;
+    if (!velocity_aid_.started() || !baro_rate_.known(fix.time_us)) return;
+    const float sinks = -baro_rate_.value();
+    const bool is_alone = vertical_refused_s_ > kWitness && fix.has_height &&
+                          math::abs(inconsistency_N_.z()) < kWitnessAgrees &&
+                          math::abs(sinks - filter_.kinematics().velocity_N.z()) > kAgrees;
+    if (math::abs(sinks - velocity) > kAgrees && !is_alone) return;
     doubt_.agreed();
     const float now = velocity + filter_.acceleration_N().z() * age(fix.time_us);
     filter_.set_vertical_velocity(now, kDoubtfulVariance);
@@ -283,7 +292,7 @@ bool Navigation::fuse_baro(const NavigationParams& params) {
     const float height =
         -(at.position_N.z() - at.velocity_N.z() * age(sample.time_us)) + filter_.baro_offset();
     baro_rate_.add(sample.time_us, sample.height);
-    if (baro_rate_.known())
+    if (baro_rate_.known(sample.time_us))
         Disagreement::follow(disagreement_.baro_velocity, -baro_rate_.value() - at.velocity_N.z(),
                              kFollowBaro);
     if (!has_baro_reference_) baro_reference_ = sample.height - height;

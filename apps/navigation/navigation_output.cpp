@@ -16,6 +16,23 @@ constexpr float kGoodHeight = 10.0F;    // m, 1 sigma
 // are left out, for as long as they are.
 constexpr float kCarried = 1.5F;  // s
 
+// An IMU whose samples are so old says where the vehicle was; from then on it may do anything.
+constexpr float kLate = 0.1F;       // s
+constexpr float kLateSpeed = 5.0F;  // m/s
+
+// A yaw rate that the gyro measures with 3 %, and a little late.
+constexpr float kTurning = 0.05F;  // s
+// What a barometer that drifts may carry the estimate by where satellites are refused.
+constexpr float kOneWitness = 0.5F;  // m/s
+constexpr float kOneWitness_s = 0.5F;
+
+// Of a receiver that contradicts itself less than counts against it, squared.
+float small_contradiction(float squared) {
+    constexpr float kShare = 0.5F;
+    constexpr float kUsual = 0.5F;  // m/s
+    return math::square(kShare) * math::max(squared - math::square(kUsual), 0.0F);
+}
+
 constexpr float kGoodVelocity = 2.0F;       // m/s, 1 sigma
 constexpr float kGoodLevelVelocity = 4.0F;  // the same for the horizontal one
 
@@ -67,8 +84,12 @@ void Navigation::publish_lost(NavigationPorts& ports) const {
 float Navigation::vertical_disagreement() const {
     const float satellites = disagreement_.vertical_velocity() +
                              inconsistency_variance(math::square(contradiction_N_.z()));
-    if (baro_has_failed_ || !baro_rate_.known()) return satellites;
-    return math::min(satellites, math::square(disagreement_.baro_velocity));
+    if (baro_has_failed_ || !baro_rate_.known(filter_.time_us())) return satellites;
+    const bool contradicts_itself =
+        inconsistency_variance(math::square(contradiction_N_.z())) > 0.0F;
+    const bool is_alone = vertical_refused_s_ > kOneWitness_s || contradicts_itself;
+    const float alone = is_alone ? math::square(kOneWitness) : 0.0F;
+    return math::min(satellites, math::square(disagreement_.baro_velocity) + alone);
 }
 
 // A magnetometer's error that appears in flight is the magnetometer's, or the heading's.
@@ -77,10 +98,10 @@ float Navigation::nose_variance() const {
     // A field that dips turns by twice the tilt's error.
     constexpr float kThroughTilt = 0.5F;        // rad
     constexpr uint64_t kFinds_us = 10'000'000;  // the time to find it again
-    const bool clipped = clipped_us_ != 0 && imu_us_ - clipped_us_ < kFinds_us;
-    const float tilted = filter_.has_impossible_bias() || clipped ? kThroughTilt : 0.0F;
+    const bool is_astray = astray_us_ != 0 && imu_us_ - astray_us_ < kFinds_us;
+    const float tilted = filter_.has_impossible_bias() || is_astray ? kThroughTilt : 0.0F;
     return filter_.variance(kHeading) + disagreement_.nose() + math::square(moved) +
-           math::square(tilted);
+           math::square(tilted) + math::square(kTurning * filter_.heading_rate());
 }
 
 VehicleLocalPosition Navigation::local_position(const Kinematics& now,
@@ -110,26 +131,31 @@ VehicleLocalPosition Navigation::local_position(const Kinematics& now,
     result.az = acceleration_N.z();
     result.heading = math::heading(now.q_NB);
     const Disagreement& d = disagreement_;
-    const float drift =
-        d.level_velocity() + inconsistency_variance(contradiction_N_.head<2>().squaredNorm());
+    const float contradiction = contradiction_N_.head<2>().squaredNorm();
+    const float drift = d.level_velocity() + math::max(inconsistency_variance(contradiction),
+                                                       small_contradiction(contradiction));
+    const bool is_late = imu_age() > kLate;
     const float carried = kCarried + position_aid_.refused_for(filter_.time_us());
     result.eph = deviation(position + d.level_position() + math::square(carried) * drift,
                            params.gnss_slow_error);
-    result.epv = deviation(variance(kPosition + 2) + d.height(), params.baro_slow_error);
+    const float moved_on =
+        is_late ? math::square(imu_age() * (math::abs(result.vz) + kLateSpeed)) : 0.0F;
+    result.epv = deviation(variance(kPosition + 2) + d.height() + moved_on, params.baro_slow_error);
     result.evh = deviation(variance(kVelocity) + variance(kVelocity + 1) + drift);
     result.evv = deviation(variance(kVelocity + 2) + vertical_disagreement());
-    const bool heading_is_good = nose_variance() < math::square(kGoodHeading);
+    const bool heading_is_good = !is_late && nose_variance() < math::square(kGoodHeading);
     const bool coasts = !position_aid_.recent(filter_.time_us(), kCoasting) &&
                         !velocity_aid_.recent(filter_.time_us(), kCoasting);
     // Without satellites, what is felt is turned by the heading's error.
     const bool goes_astray = coasts && !heading_is_good;
-    result.xy_valid = position_aided && result.eph < kGoodPosition && !goes_astray;
+    result.xy_valid = position_aided && result.eph < kGoodPosition && !goes_astray && !is_late;
     result.z_valid = height_aided && result.epv < kGoodHeight;
-    result.v_xy_valid =
-        (velocity_aided || position_aided) && result.evh < kGoodLevelVelocity && !goes_astray;
+    result.v_xy_valid = (velocity_aided || position_aided) && result.evh < kGoodLevelVelocity &&
+                        !goes_astray && !is_late;
     // Satellites know how fast it sinks where the barometer has lost the height.
+    const bool is_felt = !doubt_.now() || (doubt_.settled() && velocity_aided);
     result.v_z_valid =
-        (height_aided || velocity_aided) && result.evv < kGoodVelocity && !doubt_.now();
+        (height_aided || velocity_aided) && result.evv < kGoodVelocity && is_felt && !is_late;
     result.xy_global = has_origin_;
     result.z_global = has_origin_height_;
     result.heading_good_for_control = heading_is_good;

@@ -84,6 +84,19 @@ Vector3<float> Motion::limited_thrust(Vector3<float> thrust_N, float thrust_max)
     return with_horizontal_limit(thrust_N, math::min(by_thrust, by_tilt));
 }
 
+// Downward acceleration. What carried the weight before may be more than it needs: a height that
+// rises shows it.
+float Motion::blind_sink(float climb, float dt) {
+    constexpr float kP = 1.0F;            // 1/s
+    constexpr float kI = 0.3F;            // 1/s^2
+    constexpr float kTooMuch = 2.5F;      // m/s^2, more than a load or a battery changes
+    constexpr float kFastest_m_s = 3.0F;  // a height that jumps does not count for more
+    const float rises = math::clamp(finite_or_zero(climb), 0.0F, kFastest_m_s);
+    const float grown = integral_[kDown] + kI * rises * dt;
+    integral_[kDown] = math::max(integral_[kDown], math::min(grown, kTooMuch));
+    return limits_.blind_sink + kP * rises;
+}
+
 Vector3<float> Motion::update(const MotionEstimate& estimate, const TrajectorySetpoint& setpoint,
                               float dt, float thrust_max) {
     const Vector3<float> error = velocity_error(estimate, setpoint);
@@ -95,9 +108,8 @@ Vector3<float> Motion::update(const MotionEstimate& estimate, const TrajectorySe
         wanted[i] += finite_or_zero(setpoint.acceleration[axis]);
         wanted[i] += limits_.drag * finite_or_zero(setpoint.velocity[axis]);
     }
-    if (!math::is_finite(estimate.velocity_N[kDown])) {
-        wanted[kDown] = integral_[kDown] + limits_.blind_sink;
-    }
+    if (!math::is_finite(estimate.velocity_N[kDown]))
+        wanted[kDown] = integral_[kDown] + blind_sink(estimate.climb, dt);
 
     const float thrust_per_acceleration = limits_.hover_thrust / kGravity;
     const Vector3<float> weight(0.0F, 0.0F, kGravity);

@@ -32,6 +32,7 @@ struct MotionLimits {
 struct MotionEstimate {
     math::Vector3<float> position_N;
     math::Vector3<float> velocity_N;
+    float climb;  // m/s, as the height alone shows it
 };
 
 //     velocity_setpoint = position_p * position error + velocity feed-forward
@@ -43,7 +44,7 @@ struct MotionEstimate {
 // horizontal control, then in tilt. An axis
 // that was cut integrates only what leads away from its limit. An axis whose setpoint is free, or
 // whose velocity is unknown, keeps its integral and feed-forward alone; the vertical one then
-// sinks.
+// sinks, with less thrust the longer and the faster the height rises.
 class Motion {
   public:
     void set_gains(const MotionGains& gains) { gains_ = gains; }
@@ -61,6 +62,7 @@ class Motion {
                                         const TrajectorySetpoint& setpoint) const;
     math::Vector3<float> limited_velocity(math::Vector3<float> velocity) const;
     math::Vector3<float> limited_thrust(math::Vector3<float> thrust_N, float thrust_max) const;
+    float blind_sink(float climb, float dt);
     math::Vector3<float> measured_acceleration(const math::Vector3<float>& velocity_N, float dt);
 
     MotionGains gains_{};

@@ -21,8 +21,8 @@ Vector3<float> per_axis(float horizontal, float vertical) {
 }
 
 MotionEstimate estimate_of(const VehicleLocalPosition& position) {
-    MotionEstimate estimate{{position.x, position.y, position.z},
-                            {position.vx, position.vy, position.vz}};
+    MotionEstimate estimate{
+        {position.x, position.y, position.z}, {position.vx, position.vy, position.vz}, kNaN};
     if (!position.xy_valid) estimate.position_N.head<2>().setConstant(kNaN);
     if (!position.z_valid) estimate.position_N.z() = kNaN;
     if (!position.v_xy_valid) estimate.velocity_N.head<2>().setConstant(kNaN);
@@ -116,13 +116,27 @@ void PositionControl::configure(const PositionControlParams& p) {
 bool PositionControl::take_position(const PositionControlPorts& ports) {
     if (ports.position) {
         estimate_ = estimate_of(*ports.position);
+        estimate_.climb = climb_of(*ports.position);
         if (math::is_finite(ports.position->heading)) heading_ = ports.position->heading;
         last_position_us_ = ports.now;
         return true;
     }
     if (ports.now - last_position_us_ < kPositionLost_us) return false;
-    estimate_ = {per_axis(kNaN, kNaN), per_axis(kNaN, kNaN)};
+    estimate_ = {per_axis(kNaN, kNaN), per_axis(kNaN, kNaN), kNaN};
     return true;
+}
+
+// From heights, low-passed; a reset of them is no motion.
+float PositionControl::climb_of(const VehicleLocalPosition& position) {
+    constexpr float kSmoothing_s = 0.5F;
+    const float dt = seconds_since_last(climb_us_, position.timestamp_sample, 0.0F, kLongestStep);
+    const bool goes_on = position.z_valid && math::is_finite(height_) && dt > 0.0F &&
+                         z_resets_ == position.z_reset_counter;
+    const float climb = goes_on ? (-position.z - height_) / dt : climb_;
+    climb_ += (climb - climb_) * (dt / (kSmoothing_s + dt));
+    height_ = position.z_valid ? -position.z : kNaN;
+    z_resets_ = position.z_reset_counter;
+    return position.z_valid ? climb_ : kNaN;
 }
 
 // Rises from nothing after arming or standing, so that the motors do not jump to hover.

@@ -22,6 +22,7 @@ class PositionControl {
   private:
     void configure(const PositionControlParams& params);
     bool take_position(const PositionControlPorts& ports);
+    float climb_of(const VehicleLocalPosition& position);
     float thrust_max(const PositionControlParams& params, float dt);
 
     void learn_hover_thrust(const PositionControlPorts& ports, float dt);
@@ -30,6 +31,10 @@ class PositionControl {
     HoverThrust hover_;
     math::Vector3<float> thrust_N_ = math::Vector3<float>::Zero();
     MotionEstimate estimate_{};
+    float height_ = math::canonical_nan<float>();  // when it was known last
+    float climb_ = 0.0F;
+    uint8_t z_resets_ = 0;
+    uint64_t climb_us_ = 0;
     float heading_ = 0.0F;
     float armed_for_s_ = 0.0F;
     uint64_t last_us_ = 0;           // time that the latest step was for

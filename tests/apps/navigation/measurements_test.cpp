@@ -17,6 +17,7 @@ TEST(Aid, is_recent_for_a_measurement_that_is_older) {
 }
 
 constexpr uint64_t kPeriod_us = 40'000;
+constexpr uint64_t kNow_us = 1'500'000;
 
 BaroRate climbing(float speed, unsigned samples, uint64_t from_us = 1'000'000) {
     BaroRate rate;
@@ -28,8 +29,27 @@ BaroRate climbing(float speed, unsigned samples, uint64_t from_us = 1'000'000) {
 }
 
 TEST(BaroRate, knows_nothing_before_it_has_eight_samples) {
-    EXPECT_FALSE(climbing(1.0F, 7).known());
-    EXPECT_TRUE(climbing(1.0F, 8).known());
+    EXPECT_FALSE(climbing(1.0F, 7).known(kNow_us));
+    EXPECT_TRUE(climbing(1.0F, 8).known(kNow_us));
+}
+
+TEST(BaroRate, is_not_known_of_a_sensor_that_is_silent) {
+    const BaroRate rate = climbing(1.0F, 8);
+    EXPECT_TRUE(rate.known(2'000'000));
+    EXPECT_FALSE(rate.known(2'500'000));
+}
+
+TEST(Spike, leaves_out_one_sample_and_believes_two) {
+    constexpr float kStep_s = 0.001F;
+    Spike spike(1000.0F);
+    const Vector usual(0.2F, -0.1F, 0.0F);
+    const Vector far(3.5F, 3.2F, 3.3F);
+    EXPECT_EQ(spike.without(usual, kStep_s), usual);
+    EXPECT_EQ(spike.without(far, kStep_s), usual);
+    EXPECT_EQ(spike.without(usual, kStep_s), usual);
+    EXPECT_EQ(spike.without(far, kStep_s), usual);
+    EXPECT_EQ(spike.without(far, kStep_s), far);
+    EXPECT_EQ(spike.without(usual, 0.02F), usual);  // in so long a time it may change by so much
 }
 
 TEST(BaroRate, is_the_slope_of_the_height) {
@@ -46,10 +66,10 @@ TEST(BaroRate, lets_noise_average_out) {
 TEST(BaroRate, begins_again_after_a_gap_and_after_a_clock_that_steps_back) {
     BaroRate rate = climbing(1.0F, 8);
     rate.add(1'000'000 + 7 * kPeriod_us + 200'001, 0.0F);
-    EXPECT_FALSE(rate.known());
+    EXPECT_FALSE(rate.known(kNow_us));
     rate = climbing(1.0F, 8);
     rate.add(1'000'000, 0.0F);
-    EXPECT_FALSE(rate.known());
+    EXPECT_FALSE(rate.known(kNow_us));
 }
 
 }  // namespace

@@ -295,6 +295,26 @@ TEST_F(PositionControlTest, with_an_unknown_vertical_velocity_it_sinks_gently) {
     EXPECT_NEAR(acceleration().z(), 0.3F, 1e-3F);
 }
 
+// 25 % too much thrust was learned from a wrong velocity: the height alone shows the climb.
+TEST_F(PositionControlTest, with_an_unknown_vertical_velocity_it_does_not_rise_for_long) {
+    spool_up();
+    position_.v_z_valid = false;
+    float climb = 0.0F;
+    for (int i = 0; i < 3000; ++i) {
+        climb += kGravity * (thrust() / (0.8F * kHover) - 1.0F) * 0.01F;
+        position_.z -= climb * 0.01F;
+        step();
+    }
+    EXPECT_LT(climb, 0.1F);
+    EXPECT_GT(climb, -2.0F);
+    // A reset of the height is no motion.
+    const float before = thrust();
+    position_.z -= 30.0F;
+    ++position_.z_reset_counter;
+    step();
+    EXPECT_NEAR(thrust(), before, 0.01F);
+}
+
 TEST_F(PositionControlTest, with_an_unknown_position_it_holds_the_velocity) {
     spool_up();
     setpoint_.position = {10.0F, 0.0F, 0.0F};
