@@ -94,7 +94,7 @@ void Commander::take_health(const CommanderPorts& ports, float dt) {
                                dt, ports.params->settle_time);
     h.battery_ok =
         ports.battery && ports.battery->connected && ports.battery->warning == Warning::kNone;
-    h.motors_ok = hears_motors(ports);
+    h.motors_ok = hears_motors(ports) && !is_uncontrolled(ports);
     h.rc_ok = hears_pilot(ports);
     h.logging_ok = static_cast<bool>(ports.log);
     h.parameters_ok = parameters_count(ports);
@@ -122,6 +122,12 @@ void Commander::take_silence(const CommanderPorts& ports, float dt) {
     no_setpoint_s_ = ports.offboard.is_new() ? 0.0F : math::min(no_setpoint_s_ + dt, kLong_s);
     no_station_s_ = ports.station.is_new() ? 0.0F : math::min(no_station_s_ + dt, kLong_s);
     if (ports.station) has_heard_station_ = true;
+    if (ports.motors) has_heard_motors_ = true;
+}
+
+// The rate controller or the allocation is silent, and with it the motors' commands.
+bool Commander::is_uncontrolled(const CommanderPorts& ports) const {
+    return has_heard_motors_ && !ports.motors;
 }
 
 void Commander::take_events(const CommanderPorts& ports, float dt) {
@@ -132,7 +138,7 @@ void Commander::take_events(const CommanderPorts& ports, float dt) {
     const auto set = [this](FailsafeEvent event, bool is_on) {
         events_ = is_on ? events_ | bit(event) : events_ & ~bit(event);
     };
-    set(FailsafeEvent::kCrashed, ports.land && ports.land->crashed);
+    set(FailsafeEvent::kCrashed, (ports.land && ports.land->crashed) || is_uncontrolled(ports));
     set(FailsafeEvent::kCannotFollow,
         ports.progress && ports.progress->lags_for >= params.lag_limit);
     set(FailsafeEvent::kEstimatorInvalid,

@@ -27,6 +27,7 @@ class Commander {
     void take_place(const CommanderPorts& ports, float dt);
     void take_events(const CommanderPorts& ports, float dt);
     void take_silence(const CommanderPorts& ports, float dt);
+    bool is_uncontrolled(const CommanderPorts& ports) const;
     void take_wish(const CommanderPorts& ports, float dt);
     void take_arm_switch(const CommanderPorts& ports, float dt);
     void take_command(CommanderPorts& ports);
@@ -52,6 +53,7 @@ class Commander {
     float no_setpoint_s_ = kLong_s;  // for the mode offboard
     float no_station_s_ = 0.0F;
     bool has_heard_station_ = false;
+    bool has_heard_motors_ = false;
 
     bool is_armed_ = false;
     bool has_flown_ = false;    // since it was armed last

@@ -259,6 +259,23 @@ TEST(MotorSim, hands_each_command_over) {
     EXPECT_NE(written[3], written[3]);  // not a number
 }
 
+TEST(MotorSim, stops_motors_that_nothing_commands_any_more) {
+    MotorSim::Device device{.write = keep};
+    MotorSim driver(device);
+    ActuatorMotors command{};
+    command.control.fill(0.25F);
+    MotorPorts ports{.now = 1000, .command = Input(command)};
+    driver.step(ports);
+    writes = 0;
+    MotorPorts soon{.now = 1'301'000};
+    driver.step(soon);
+    EXPECT_EQ(writes, 0);
+    MotorPorts late{.now = 1'301'001};
+    driver.step(late);
+    EXPECT_EQ(writes, 1);
+    EXPECT_NE(written[0], written[0]);  // not a number
+}
+
 TEST(MotorSim, does_nothing_without_command_or_board) {
     MotorSim::Device connected{.write = keep};
     MotorPorts empty{.now = 1000};

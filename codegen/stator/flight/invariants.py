@@ -31,6 +31,8 @@ LOW_M = 0.5
 # Beyond this tilt a vehicle on the ground is on its side or upside down.
 FALLEN_DEG = 60.0
 MOST_TURNING_S = 5.0
+# Slower than any motor that is commanded: its driver has stopped it.
+STANDS_RAD_S = 5.0
 # A vehicle that stood for so long and then leaves the ground takes off; less is a bounce.
 STOOD_S = 1.0
 AIRBORNE_M = 0.3
@@ -95,6 +97,9 @@ class _Course:
         self.armed: Rows = np.equal(self.at("vehicle_status", "arming_state", 0.0), ARMED)
         self.failsafe: Rows = np.not_equal(self.at("vehicle_status", "failsafe", 0.0), 0.0)
         self.turning = self._turning()
+        rotors = [speed for name, speed in truth.items() if name.startswith("rotor_")]
+        fastest = np.max(rotors, axis=0) if rotors else np.full(self.time_s.size, math.inf)
+        self.spinning: Rows = np.greater(fastest, STANDS_RAD_S)
 
     def has(self, topic: str) -> bool:
         return any(data.name == topic and data.multi_id == 0 for data in self.log.data_list)
@@ -161,7 +166,9 @@ def _stopped_in_the_air(course: _Course, _: Setting) -> Broken | None:
 
 def _turning_after_a_crash(course: _Course, _: Setting) -> Broken | None:
     """The motors turn for at most 5 s after the vehicle is down, upside down or on its side."""
-    down = course.turning & (course.height < LOW_M) & (course.tilt_deg > FALLEN_DEG)
+    down = (
+        course.turning & course.spinning & (course.height < LOW_M) & (course.tilt_deg > FALLEN_DEG)
+    )
     row = _lasting(course.time_s, down, MOST_TURNING_S)
     if row is None:
         return None

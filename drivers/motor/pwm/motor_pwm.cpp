@@ -19,9 +19,13 @@ uint16_t pulse_us(float control) {
 }  // namespace
 
 void MotorPwm::step(MotorPorts& ports) {
-    if (!ports.command || device_.write == nullptr) return;
+    if (ports.command) commanded_us_ = ports.now;
+    const bool is_silent = commanded_us_ != 0 && ports.now > commanded_us_ + kSilent_us;
+    if (device_.write == nullptr || (!ports.command && !is_silent)) return;
     Pulses pulses_us;
-    for (unsigned i = 0; i < kMotors; ++i) pulses_us[i] = pulse_us(ports.command->control[i]);
+    pulses_us.fill(kStopped_us);
+    if (ports.command)
+        for (unsigned i = 0; i < kMotors; ++i) pulses_us[i] = pulse_us(ports.command->control[i]);
     device_.write(pulses_us);
 }
 

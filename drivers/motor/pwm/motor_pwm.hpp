@@ -1,4 +1,5 @@
-// Motors behind speed controllers that read the width of pulses.
+// Motors behind speed controllers that read the width of pulses. Without a command for a while, an
+// activation by a timer stops them.
 #pragma once
 
 #include <array>
@@ -26,7 +27,10 @@ class MotorPwm {
     void step(MotorPorts& ports);
 
   private:
+    static constexpr uint64_t kSilent_us = 1'300'000;
+
     Device& device_;
+    uint64_t commanded_us_ = 0;
 };
 
 }  // namespace stator::drivers::motor::pwm

@@ -1,7 +1,9 @@
-// The motors of a simulated board: each command goes to the board at the instant it comes.
+// The motors of a simulated board: each command goes to the board at the instant it comes. Without
+// one for a while, an activation by a timer stops them.
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "motor_ports.hpp"
 
@@ -20,7 +22,10 @@ class MotorSim {
     void step(MotorPorts& ports);
 
   private:
+    static constexpr uint64_t kSilent_us = 1'300'000;
+
     Device& device_;
+    uint64_t commanded_us_ = 0;
 };
 
 }  // namespace stator::drivers::motor::sim

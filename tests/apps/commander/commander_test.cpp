@@ -57,6 +57,7 @@ class CommanderTest : public ::testing::Test {
                                                     : Input<StationHeartbeat>(),
             .parameters = Input(parameters_),
             .allocation = Input(allocation_),
+            .motors = has_motors_ ? Input(motors_) : Input<ActuatorMotors>(),
             .log = has_log_ ? Input(log_) : Input<LogBlock>(),
             .params = Input(params_)};
         testing::Probe status(ports.status, now_us_);
@@ -149,6 +150,8 @@ class CommanderTest : public ::testing::Test {
     SensorBaro baro_{};
     SensorGps gnss_{};
     EscStatus escs_{};
+    ActuatorMotors motors_{};
+    bool has_motors_ = true;
     LogBlock log_{};
     ParameterStatus parameters_{};
     AllocationStatus allocation_{.motor_count = 4};
@@ -440,6 +443,23 @@ TEST_F(CommanderTest, a_crash_ends_it_in_the_air_and_on_the_ground) {
         land_.crashed = true;
         step();
         EXPECT_FALSE(is_armed());
+        EXPECT_EQ(status_.failsafe_event, Event::kCrashed);
+    }
+}
+
+TEST_F(CommanderTest, motors_that_nothing_commands_any_more_end_it) {
+    for (const bool landed : {false, true}) {
+        node_ = {};
+        has_motors_ = true;
+        land_ = {.landed = true};
+        switches_.arm_switch = ManualControlSwitches::ArmSwitch::kOff;
+        fly(Nav::kMission);
+        land_.landed = landed;
+        run(2.0F);
+        has_motors_ = false;
+        step();
+        EXPECT_FALSE(is_armed());
+        EXPECT_FALSE(health_.motors_ok);
         EXPECT_EQ(status_.failsafe_event, Event::kCrashed);
     }
 }

@@ -32,6 +32,7 @@ class Flown:
         self.mode = np.where(self.t < DOWN_S, MISSION, LAND)
         self.armed = (self.t >= 3.0) & (self.t < DISARMED_S)
         self.turning = self.armed.copy()
+        self.rotor = np.full_like(self.t, 500.0)
         self.failsafe = np.zeros_like(self.t)
         self.throttle = np.zeros_like(self.t)
         self.valid = np.ones_like(self.t)
@@ -46,6 +47,7 @@ class Flown:
             **{"velocity_n": np.gradient(self.north, self.t), "velocity_e": zero},
             "velocity_d": -np.gradient(self.up, self.t),
             **{"q_w": np.cos(self.roll / 2), "q_x": np.sin(self.roll / 2), "q_y": zero},
+            **{"rotor_1": self.rotor, "rotor_2": zero},
             **{"q_z": zero, "on_ground": (self.up < 0.01) * one, "wind_n": zero, "wind_e": zero},
         }
 
@@ -119,6 +121,9 @@ def test_motors_that_turn_after_a_crash(roll_deg: float, how: str) -> None:
     assert broken.name == "motors_turn_after_a_crash"
     assert broken.time_s == pytest.approx(46.0, abs=0.03)
     assert how in broken.in_words()
+    flown.rotor[flown.t >= 45.0] = 0.0  # the driver has stopped what is still commanded
+    assert flown.name() == ""
+    flown.rotor[:] = 500.0
     flown.armed &= flown.t < 45.0
     flown.turning = flown.armed
     assert flown.name() == ""

@@ -42,6 +42,21 @@ TEST(MotorPwm, without_a_command_nothing_is_written) {
     EXPECT_EQ(writes, before);
 }
 
+TEST(MotorPwm, a_timer_stops_motors_that_nothing_commands_any_more) {
+    MotorPwm::Device device{.write = keep};
+    MotorPwm driver(device);
+    const ActuatorMotors command{.control = {0.5F, 0.5F, 0.5F, 0.5F, 0.5F, 0.5F}};
+    MotorPorts ports{.now = 1'000'000, .command = Input(command, true, 0)};
+    driver.step(ports);
+    const unsigned before = writes;
+    MotorPorts soon{.now = 2'300'000};
+    driver.step(soon);
+    EXPECT_EQ(writes, before);
+    MotorPorts late{.now = 2'300'001};
+    driver.step(late);
+    EXPECT_EQ(written, (MotorPwm::Pulses{900, 900, 900, 900, 900, 900}));
+}
+
 class Outputs : public chip::OnChip {
   public:
     Outputs() {

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pyulog import ULog
 
 from stator import HOME
 from stator.flight.log import read_truth, read_truth_columns
@@ -216,3 +217,17 @@ def test_what_no_sensor_can_show_is_named(tmp_path: Path) -> None:
     facts = fly(tmp_path, "--mission", mission, "--fail", "gnss0.spoof=1@25")
     assert facts["unseen_failures"] == ["gnss0.spoof=1@25"]
     assert facts["broken_invariant"] is None
+
+
+@pytest.mark.parametrize("node", ["rate_control", "allocation"])
+def test_motors_that_nothing_commands_any_more_stop(node: str, tmp_path: Path) -> None:
+    """A node of the innermost loop is silent: the vehicle falls, and its motors do not turn on the
+    ground. The flight names the node."""
+    mission = str(MISSIONS / "square.yaml")
+    facts = fly(tmp_path, "--mission", mission, "--seed", "2", "--fail", f"{node}.stuck@20")
+    assert facts["broken_invariant"] is None
+    assert modes(facts)[-1] == "disarmed"
+    assert stopped_s(facts) < 22.0
+    assert facts["missed_life_signs"] > 0
+    messages = {row.message for row in ULog(facts["log"]).logged_messages}
+    assert f"no life sign of {node}" in messages

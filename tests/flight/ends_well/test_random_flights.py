@@ -40,10 +40,12 @@ def test_a_hundred_random_flights_end_well(tmp_path: Path) -> None:
     assert broken == [], "\n".join(map(str, broken))
 
 
-@pytest.mark.parametrize("seed", [6055, 6067, 8132, 8178, 8217])
+@pytest.mark.parametrize("seed", [6055, 6067, 8132, 8178, 8217, 20506, 23012, 21325, 23142])
 def test_a_flight_that_once_ended_badly_ends_well(seed: int, tmp_path: Path) -> None:
     """Navigation kept what it had learned from a wrong sensor (6055, 6067, 8132), was too sure of a
-    position that a wrong velocity took along (8178); a drifting gyro hid a crash (8217)."""
+    position that a wrong velocity took along (8178); a drifting gyro hid a crash (8217).
+    What commands explain was learned from a wrong accelerometer (20506), no barometer was witness
+    (23012); the IMU's clock jumped (21325), single samples of it were wild (23142)."""
     ended = fly_random(seed, tmp_path)
     assert ended.broken is None, str(ended)
 
