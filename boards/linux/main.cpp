@@ -88,6 +88,9 @@ void connect(board::RealWorld& world) {
     board::motors.write = [](const drivers::motor::sim::MotorSim::Control& control) {
         the_world->command_motors(control);
     };
+    board::servos.write = [](const drivers::servo::sim::ServoSim::Control& control) {
+        the_world->command_servos(control);
+    };
 }
 
 // The lines with MAVLink. False after one line that says what is wrong.

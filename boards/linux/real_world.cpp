@@ -71,7 +71,14 @@ void RealWorld::run() {
 }
 
 void RealWorld::command_motors(const drivers::motor::sim::MotorSim::Control& control) {
-    const Command command{clock_us(), control};
+    push({.time_us = clock_us(), .is_of_servos = false, .motors = control, .servos = {}});
+}
+
+void RealWorld::command_servos(const drivers::servo::sim::ServoSim::Control& control) {
+    push({.time_us = clock_us(), .is_of_servos = true, .motors = {}, .servos = control});
+}
+
+void RealWorld::push(const Command& command) {
     const Lock lock(&mutex_);
     // A world that is held up that long sees the newest command all the same.
     if (command_count_ == kMaxCommands) --command_count_;
@@ -83,8 +90,13 @@ void RealWorld::obey(std::uint64_t until_us) {
     const Lock lock(&mutex_);
     unsigned done = 0;
     for (; done < command_count_ && commands_[done].time_us <= until_us; ++done) {
-        world_.command_motors(std::max(commands_[done].time_us, world_.time_us()),
-                              commands_[done].control);
+        const Command& command = commands_[done];
+        const std::uint64_t time_us = std::max(command.time_us, world_.time_us());
+        if (command.is_of_servos) {
+            world_.command_servos(time_us, command.servos);
+        } else {
+            world_.command_motors(time_us, command.motors);
+        }
     }
     std::move(commands_.begin() + done, commands_.begin() + command_count_, commands_.begin());
     command_count_ -= done;

@@ -10,6 +10,7 @@
 
 #include "can_link.hpp"
 #include "drivers/motor/sim/motor_sim.hpp"
+#include "drivers/servo/sim/servo_sim.hpp"
 #include "sensors.hpp"
 #include "stator/mutex.hpp"
 #include "stator/pthread.hpp"
@@ -32,6 +33,8 @@ class RealWorld {
     void end();
     // What motors do from now on. Any one thread.
     void command_motors(const drivers::motor::sim::MotorSim::Control& control);
+    // The same of servos. Any one thread.
+    void command_servos(const drivers::servo::sim::ServoSim::Control& control);
 
     // Once it has ended.
     const world::World& world() const { return world_; }
@@ -42,12 +45,15 @@ class RealWorld {
   private:
     struct Command {
         std::uint64_t time_us;
-        world::Controls control;
+        bool is_of_servos;
+        world::Controls motors;
+        world::ServoControls servos;
     };
 
-    static constexpr unsigned kMaxCommands = 16;  // of one millisecond
+    static constexpr unsigned kMaxCommands = 32;  // of one millisecond
 
     void run();
+    void push(const Command& command);
     void obey(std::uint64_t until_us);
     void serve_can();
     void measure();

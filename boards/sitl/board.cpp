@@ -19,6 +19,7 @@ namespace {
 
 using drivers::can::sim::CanSim;
 using drivers::motor::sim::MotorSim;
+using drivers::servo::sim::ServoSim;
 using drivers::nonvolatile::sim::NonvolatileSim;
 
 // Of one flight: our own world, or the outside one in its place.
@@ -39,6 +40,11 @@ void write_motors(const MotorSim::Control& control) {
     } else {
         the_world->command_motors(executor.now_us, control);
     }
+}
+
+// The same of the servos. Another simulator has its own.
+void write_servos(const ServoSim::Control& control) {
+    if (outside == nullptr) the_world->command_servos(executor.now_us, control);
 }
 
 void send_on_can(const CanSim::Frame& frame) {
@@ -120,6 +126,7 @@ void connect_devices(std::FILE* mission) {
     };
     system0.restart = stop;
     motors.write = write_motors;
+    servos.write = write_servos;
     nonvolatile0.read = [](std::uint32_t address, std::span<std::uint8_t> bytes) {
         std::copy_n(nonvolatile_memory.begin() + address, bytes.size(), bytes.begin());
         return true;

@@ -13,7 +13,8 @@ constexpr double kEccentricity2 = 6.69437999014e-3;
 constexpr double kSeaTemperature = 288.15;  // K
 constexpr double kLapse = 0.0065;           // K/m
 constexpr double kPressureExponent = 5.255880;
-constexpr double kZeroCelsius = 273.15;  // K
+constexpr double kZeroCelsius = 273.15;     // K
+constexpr double kGasConstant = 287.05287;  // J/(kg K), of dry air
 
 constexpr double radians(double degrees) {
     return degrees * (math::kPi<double> / 180.0);
@@ -43,6 +44,10 @@ double Earth::pressure(double height) const {
 
 double Earth::temperature_degc(double height) const {
     return kSeaTemperature - kLapse * (altitude_msl + height) - kZeroCelsius;
+}
+
+double Earth::density(double height) const {
+    return pressure(height) / (kGasConstant * (temperature_degc(height) + kZeroCelsius));
 }
 
 Vector3 Earth::magnetic_field_N() const {

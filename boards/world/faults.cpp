@@ -33,11 +33,14 @@ constexpr double kMostOfPart = 1e6;
 constexpr std::array kPartRows{Row{"wrong_sign", FaultKind::kWrongSign, 0.0, 0.0},
                                Row{"swapped_axis", FaultKind::kSwappedAxis, 0.0, 0.0},
                                Row{"stuck_stick", FaultKind::kStuckStick, 0.0, 0.0},
+                               Row{"static_blocked", FaultKind::kStaticBlocked, 0.0, 0.0},
                                Row{"motor_stuck", FaultKind::kMotorStuck, 0.0, 0.0},
                                Row{"weak_supply", FaultKind::kWeakSupply, 20.0, kMostOfPart},
                                Row{"saturation", FaultKind::kSaturation, 1.0, kMostOfPart},
                                Row{"time_jump", FaultKind::kTimeJump, 0.5, kMostOfPart},
                                Row{"drop_out", FaultKind::kDropOut, 0.0, 0.0},
+                               Row{"blocked", FaultKind::kPitotBlocked, 0.0, 0.0},
+                               Row{"trapped", FaultKind::kPitotTrapped, 0.0, 0.0},
                                Row{"silence", FaultKind::kSilence, 0.0, 0.0},
                                Row{"partial", FaultKind::kPartial, 0.5, 1.0},
                                Row{"offset", FaultKind::kOffset, 1.0, kMostOfPart},
@@ -51,6 +54,7 @@ constexpr std::array kPartRows{Row{"wrong_sign", FaultKind::kWrongSign, 0.0, 0.0
                                Row{"hang", FaultKind::kHang, 0.0, 0.0},
                                Row{"dead", FaultKind::kDead, 0.0, 0.0},
                                Row{"loss", FaultKind::kLoss, 0.0, 0.0},
+                               Row{"ice", FaultKind::kIce, 30.0, kMostOfPart},
                                Row{"sag", FaultKind::kSag, 0.8, 1.0}};
 
 std::optional<double> read(std::string_view text, double least, double most) {

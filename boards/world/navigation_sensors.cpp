@@ -53,7 +53,7 @@ BarometerSample Barometer::measure(const Plant& plant) {
     const double noise = parameters_.noise * random_.gaussian_double();
     const double drift = drift_.next(random_).x();
     const double dynamic_pressure =
-        0.5 * plant.parameters().air_density * plant.velocity_in_air_B().squaredNorm();
+        0.5 * plant.influence().air_density * plant.velocity_in_air_B().squaredNorm();
     const double pressure = earth_.pressure(height) + offset_ + drift + noise +
                             parameters_.ram * dynamic_pressure +
                             parameters_.wash * plant.lift_over_weight();

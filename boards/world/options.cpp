@@ -165,6 +165,14 @@ bool read_gusts(const char* text, Gusts& gusts) {
     return true;
 }
 
+bool read_launch(const char* text, Launch& launch) {
+    constexpr std::array<std::string_view, 3> kNames{"ground", "catapult", "hand"};
+    const auto* const found = std::find(kNames.begin(), kNames.end(), text);
+    if (found == kNames.end()) return refuse("--launch", text, "ground, catapult or hand");
+    launch = static_cast<Launch>(found - kNames.begin());
+    return true;
+}
+
 bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--log") return read_path("--log", value, options.log);
     if (option == "--truth") return read_path("--truth", value, options.truth);
@@ -187,12 +195,13 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--wind-from") return read_direction(value, options.conditions.wind.from);
     if (option == "--origin") return read_origin(value, options.conditions.earth);
     if (option == "--gusts") return read_gusts(value, options.conditions.wind.gusts);
+    if (option == "--launch") return read_launch(value, options.conditions.launch);
     if (option == "--fail") return add_fault(value, options.conditions.faults);
     std::fprintf(stderr,
                  "error: unknown option '%s'\nhint: known: --log FILE, --truth FILE, --seed N, "
                  "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
                  "--wind M_S, "
-                 "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
+                 "--wind-from DEGREES, --gusts none|light|moderate|severe, --launch ground|catapult|hand, --fail WHAT@SECONDS, "
                  "--pilot FILE, --vehicle FILE, --mission FILE, --origin "
                  "LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR, "
                  "--mavlink PLACE, --hil PLACE, --lockstep SOCKET\n",

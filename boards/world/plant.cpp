@@ -17,7 +17,8 @@ VehicleState moved(const VehicleState& state, const VehicleState& rate, double d
             .velocity_N = state.velocity_N + rate.velocity_N * dt,
             .q_NB = Quaternion(state.q_NB.coeffs() + rate.q_NB.coeffs() * dt),
             .rate_B = state.rate_B + rate.rate_B * dt,
-            .rotor_speeds = state.rotor_speeds + rate.rotor_speeds * dt};
+            .rotor_speeds = state.rotor_speeds + rate.rotor_speeds * dt,
+            .propeller_speeds = state.propeller_speeds + rate.propeller_speeds * dt};
 }
 
 RotorSpeeds lag(const Airframe& parameters, const RotorSpeeds& commanded,
@@ -31,21 +32,11 @@ RotorSpeeds lag(const Airframe& parameters, const RotorSpeeds& commanded,
     return rate;
 }
 
-Wrench operator+(const Wrench& a, const Wrench& b) {
-    return {a.force_B + b.force_B, a.torque_B + b.torque_B};
-}
-
 // How deep the feet of a vehicle at rest press the ground's springs.
 double rest_depth(const Airframe& parameters) {
     return parameters.mass * parameters.gravity /
            (parameters.ground.feet * parameters.ground.stiffness);
 }
-
-// Against the air, which a rotor's drag and inflow come from.
-struct AirMotion {
-    Vector3 velocity_B;
-    Vector3 rate_B;
-};
 
 // k_T speed^2, less what the air that comes towards the rotor takes.
 double rotor_thrust(const Airframe& parameters, double speed, double climb) {
@@ -76,8 +67,8 @@ double sum_of_squares(const RotorSpeeds& speeds, unsigned first, unsigned count)
     return sum_of_squares(speeds, first, half) + sum_of_squares(speeds, first + half, count - half);
 }
 
-Wrench body_drag(const Airframe& parameters, const Vector3& velocity_B) {
-    const double pressure_per_speed = 0.5 * parameters.air_density * math::norm(velocity_B);
+Wrench body_drag(const Airframe& parameters, const Vector3& velocity_B, double air_density) {
+    const double pressure_per_speed = 0.5 * air_density * math::norm(velocity_B);
     return {-pressure_per_speed * parameters.drag_area_B.cwiseProduct(velocity_B), Vector3::Zero()};
 }
 
@@ -92,14 +83,27 @@ Vector3 Inertia::solve(const Vector3& torque) const {
     return {roll, torque.y() / yy, (torque.z() + xz * roll) / zz};
 }
 
+Rest Airframe::rest() const {
+    if (has_wing()) return rest_of(ground, mass * gravity);
+    return {.surface_z = ground.points_B[0].z() - rest_depth(*this)};
+}
+
 Plant::Plant(const Airframe& parameters, const VehicleState& start)
     : parameters_(parameters),
       state_(start),
-      ground_(parameters.ground, parameters.ground.points_B[0].z() - rest_depth(parameters)) {
+      ground_(parameters.ground, parameters.rest().surface_z) {
     ground_.settle(motion_of(state_));
+    command({});
 }
 
 void Plant::command(const Controls& control) {
+    const unsigned rotors = parameters_.rotor_count();
+    for (unsigned i = 0; i < parameters_.propellers.size(); ++i) {
+        const float wanted = control[rotors + i];
+        const double throttle = math::is_nan(wanted) ? 0.0 : static_cast<double>(wanted);
+        shaft_powers_[i] =
+            polynomial(parameters_.propellers[i].shaft_power, math::clamp(throttle, 0.0, 1.0));
+    }
     for (unsigned i = 0; i < parameters_.rotor_count(); ++i) {
         const double fraction = math::is_nan(control[i]) ? 0.0 : static_cast<double>(control[i]);
         commanded_speeds_[i] =
@@ -116,7 +120,19 @@ void Plant::run_until(std::uint64_t time_us) {
     }
 }
 
+void Plant::move_surfaces(double dt) {
+    if (parameters_.wing.surfaces.empty()) return;
+    move_servos(parameters_.wing, servo_control_, dt, deflections_);
+    const std::vector<Wheel>& wheels = parameters_.ground.wheels;
+    for (unsigned i = 0; i < wheels.size(); ++i) {
+        if (wheels[i].steered_by < 0) continue;
+        const auto surface = static_cast<std::size_t>(wheels[i].steered_by);
+        ground_.steer(i, wheels[i].steering * deflections_[surface]);
+    }
+}
+
 void Plant::step(double dt) {
+    move_surfaces(dt);
     const VehicleState k1 = derivative(state_);
     const VehicleState k2 = derivative(moved(state_, k1, 0.5 * dt));
     const VehicleState k3 = derivative(moved(state_, k2, 0.5 * dt));
@@ -127,35 +143,76 @@ void Plant::step(double dt) {
     ground_.settle(motion_of(state_));
 }
 
-Wrench Plant::applied_wrench(const Motion& motion, const RotorSpeeds& speeds) const {
+Wrench Plant::add_propellers(const AirMotion& motion, const VehicleState& state,
+                             PropellerSpeeds& rates) const {
+    Wrench sum;
+    const double supplied = math::square(influence_.supply);
+    for (unsigned i = 0; i < parameters_.propellers.size(); ++i) {
+        const PropellerOutput made =
+            turn(parameters_.propellers[i],
+                 {.velocity_B = motion.velocity_B,
+                  .rate_B = motion.rate_B,
+                  .air_density = influence_.air_density,
+                  .speed = state.propeller_speeds[i],
+                  .shaft_power = supplied * shaft_powers_[i],
+                  .efficiency = influence_.efficiency[parameters_.rotor_count() + i]});
+        sum = sum + made.wrench;
+        rates[i] = made.speed_rate;
+    }
+    return sum;
+}
+
+Wrench Plant::applied_wrench(const Motion& motion, const VehicleState& state,
+                             PropellerSpeeds& propeller_rates) const {
     const AirMotion in_air{motion.R_NB.transpose() * (motion.velocity_N - influence_.wind_N),
                            motion.rate_B};
-    Wrench sum = body_drag(parameters_, in_air.velocity_B) + ground_.wrench(motion);
+    const double air_density = influence_.air_density;
+    Wrench sum =
+        body_drag(parameters_, in_air.velocity_B, air_density) + ground_.wrench(motion);
     for (unsigned i = 0; i < parameters_.rotor_count(); ++i) {
         const double efficiency = parameters_.rotors[i].in_wake * influence_.efficiency[i];
-        sum = sum + rotor_wrench(parameters_, i, in_air, speeds[i], efficiency);
+        sum = sum + rotor_wrench(parameters_, i, in_air, state.rotor_speeds[i], efficiency);
+    }
+    if (parameters_.has_wing()) {
+        sum = sum + wing_wrench(parameters_.wing, deflections_, in_air.velocity_B, in_air.rate_B,
+                                air_density);
+    }
+    if (!parameters_.propellers.empty()) {
+        sum = sum + add_propellers(in_air, state, propeller_rates);
     }
     return sum;
 }
 
 VehicleState Plant::derivative(const VehicleState& state) const {
     const Motion motion = motion_of(state);
-    const Wrench wrench = applied_wrench(motion, state.rotor_speeds);
+    VehicleState rate;
+    const Wrench wrench = applied_wrench(motion, state, rate.propeller_speeds);
+    rate.rotor_speeds = lag(parameters_, influence_.supply * commanded_speeds_, state.rotor_speeds);
+    rate.position_N = state.velocity_N;
+    if (influence_.carried_N) {
+        rate.velocity_N = *influence_.carried_N;
+        rate.q_NB = Quaternion(0.0, 0.0, 0.0, 0.0);
+        return rate;
+    }
     const Vector3 gravity_N(0.0, 0.0, parameters_.gravity);
     const Vector3 momentum_B = parameters_.inertia.times(state.rate_B);
     const Vector3 torque_B = wrench.torque_B - state.rate_B.cross(momentum_B);
     const Vector3 half_rate_B = 0.5 * state.rate_B;
     const Quaternion turning(0.0, half_rate_B.x(), half_rate_B.y(), half_rate_B.z());
-    return {.position_N = state.velocity_N,
-            .velocity_N = motion.R_NB * wrench.force_B / parameters_.mass + gravity_N,
-            .q_NB = state.q_NB * turning,
-            .rate_B = parameters_.inertia.solve(torque_B),
-            .rotor_speeds =
-                lag(parameters_, influence_.supply * commanded_speeds_, state.rotor_speeds)};
+    rate.velocity_N = motion.R_NB * wrench.force_B / parameters_.mass + gravity_N;
+    rate.q_NB = state.q_NB * turning;
+    rate.rate_B = parameters_.inertia.solve(torque_B);
+    return rate;
 }
 
 Vector3 Plant::specific_force_B() const {
-    return applied_wrench(motion_of(state_), state_.rotor_speeds).force_B / parameters_.mass;
+    const Motion motion = motion_of(state_);
+    if (influence_.carried_N) {
+        return motion.R_NB.transpose() *
+               (*influence_.carried_N - Vector3(0.0, 0.0, parameters_.gravity));
+    }
+    PropellerSpeeds unused;
+    return applied_wrench(motion, state_, unused).force_B / parameters_.mass;
 }
 
 Vector3 Plant::velocity_in_air_B() const {
@@ -168,6 +225,22 @@ double Plant::lift_over_weight() const {
            (parameters_.mass * parameters_.gravity);
 }
 
+// Of rotors, the mean (speed / speed in hover)^2, and of propellers, their thrust over the weight.
+double Plant::mean_load() const {
+    const double weight = parameters_.mass * parameters_.gravity;
+    const unsigned rotors = parameters_.rotor_count();
+    double sum = 0.0;
+    for (unsigned i = 0; i < rotors; ++i) {
+        sum += parameters_.thrust_per_speed2 * state_.rotor_speeds[i] * state_.rotor_speeds[i] /
+               (weight / rotors);
+    }
+    if (rotors != 0) sum /= rotors;
+    for (unsigned i = 0; i < parameters_.propellers.size(); ++i) {
+        sum += static_thrust(parameters_.propellers[i], state_.propeller_speeds[i]) / weight;
+    }
+    return sum;
+}
+
 double Plant::electric_power() const {
     double sum = 0.0;  // of thrust to the power of 3/2
     for (unsigned i = 0; i < parameters_.rotor_count(); ++i) {
@@ -175,8 +248,13 @@ double Plant::electric_power() const {
         const double thrust = parameters_.thrust_per_speed2 * speed * speed;
         sum += thrust * math::sqrt(thrust);
     }
-    const double induced = sum / math::sqrt(2.0 * parameters_.air_density * parameters_.disc_area);
-    return induced / parameters_.power_efficiency + parameters_.avionics_power;
+    const double induced = sum / math::sqrt(2.0 * influence_.air_density * parameters_.disc_area);
+    double power = induced / parameters_.power_efficiency + parameters_.avionics_power;
+    for (unsigned i = 0; i < parameters_.propellers.size(); ++i) {
+        const double shaft = math::square(influence_.supply) * shaft_powers_[i];
+        power += math::max(shaft, 0.0) / parameters_.propellers[i].efficiency;
+    }
+    return power;
 }
 
 }  // namespace stator::world

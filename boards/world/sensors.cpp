@@ -27,15 +27,6 @@ double load(const Airframe& parameters, double speed) {
     return parameters.thrust_per_speed2 * speed * speed / hover_thrust;
 }
 
-float mean_load(const Plant& plant) {
-    const unsigned count = plant.parameters().rotor_count();
-    double sum = 0.0;
-    for (unsigned i = 0; i < count; ++i) {
-        sum += load(plant.parameters(), plant.state().rotor_speeds[i]);
-    }
-    return static_cast<float>(sum / count);
-}
-
 double drift_period(const ImuParameters& parameters) {
     return static_cast<double>(parameters.drift_samples * parameters.period_us) * 1e-6;
 }
@@ -88,7 +79,7 @@ ImuSample Imu::measure(const Plant& plant) {
     if (samples_ % parameters_.drift_samples == 0) drift();
     ++samples_;
     const Vector3f lines = rotor_lines(plant);
-    const float shaking = mean_load(plant);
+    const float shaking = static_cast<float>(plant.mean_load());
     const float gyro_sigma = math::sqrt(math::square(parameters_.gyro_noise) +
                                         math::square(parameters_.gyro_shake * shaking));
     const float accel_sigma = math::sqrt(math::square(parameters_.accel_noise) +

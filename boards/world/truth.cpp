@@ -23,6 +23,13 @@ bool write_truth_head(std::FILE* file, const World& world) {
     for (unsigned i = 0; i < world.vehicle().airframe.rotor_count(); ++i) {
         line.append("rotor_").append(std::to_string(i + 1)).append(" ");
     }
+    const Airframe& airframe = world.vehicle().airframe;
+    for (unsigned i = 0; i < airframe.propellers.size(); ++i) {
+        line.append("propeller_").append(std::to_string(i + 1)).append(" ");
+    }
+    for (unsigned i = 0; i < airframe.wing.surfaces.size(); ++i) {
+        line.append("surface_").append(std::to_string(i + 1)).append(" ");
+    }
     for (const char* const column : kBatteryColumns) line.append(column).append(" ");
     line.append((2 * sizeof(double) - 1 - line.size() % sizeof(double)) % sizeof(double), ' ');
     line.append("\n");
@@ -54,8 +61,10 @@ bool write_truth(std::FILE* file, const World& world) {
                                                        wind_N.z()};
     const std::array<double, kBatteryColumns.size()> last{battery.voltage(), battery.current(),
                                                           battery.remaining()};
-    const unsigned rotors = plant.parameters().rotor_count();
-    return write(file, row) && write(file, {state.rotor_speeds.data(), rotors}) &&
+    const Airframe& airframe = plant.parameters();
+    return write(file, row) && write(file, {state.rotor_speeds.data(), airframe.rotor_count()}) &&
+           write(file, {state.propeller_speeds.data(), airframe.propellers.size()}) &&
+           write(file, {plant.deflections().data(), airframe.wing.surfaces.size()}) &&
            write(file, last);
 }
 

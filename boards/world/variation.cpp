@@ -14,6 +14,9 @@ double factor(double part, math::Random& random) {
 void move_centre(Airframe& airframe, double x, double y) {
     for (Rotor& rotor : airframe.rotors) rotor.place_B -= Vector3(x, y, 0.0);
     for (Vector3& point_B : airframe.ground.points_B) point_B -= Vector3(x, y, 0.0);
+    for (Wheel& wheel : airframe.ground.wheels) wheel.place_B -= Vector3(x, y, 0.0);
+    for (Propeller& propeller : airframe.propellers) propeller.place_B -= Vector3(x, y, 0.0);
+    airframe.wing.reference_B -= Vector3(x, y, 0.0);
 }
 
 }  // namespace
@@ -25,7 +28,11 @@ Vehicle vary(Vehicle vehicle, const Variation& variation, std::uint64_t seed) {
     for (double* moment : {&inertia.xx, &inertia.yy, &inertia.zz}) {
         *moment *= factor(variation.inertia, random);
     }
-    vehicle.airframe.thrust_per_speed2 *= factor(variation.thrust, random);
+    const double thrust = factor(variation.thrust, random);
+    vehicle.airframe.thrust_per_speed2 *= thrust;
+    for (Propeller& propeller : vehicle.airframe.propellers) {
+        for (double& coefficient : propeller.thrust) coefficient *= thrust;
+    }
     const double x = variation.centre * (factor(1.0, random) - 1.0);
     const double y = variation.centre * (factor(1.0, random) - 1.0);
     move_centre(vehicle.airframe, x, y);

@@ -10,7 +10,7 @@ namespace stator::world {
 
 namespace {
 
-constexpr unsigned kMostValues = 5;
+constexpr unsigned kMostValues = 16;
 using Values = std::array<double, kMostValues>;
 
 struct Line {
@@ -35,6 +35,120 @@ std::optional<Line> split(std::string_view text) {
 
 Vector3 point(const Line& line) {
     return {line.values[0], line.values[1], line.values[2]};
+}
+
+Lateral lateral(const Values& v) {
+    return {.beta = v[0], .roll_rate = v[1], .yaw_rate = v[2]};
+}
+
+Surface surface(const Values& v) {
+    return {.least = v[0],
+            .most = v[1],
+            .rate = v[2],
+            .time_constant = v[3],
+            .lift = v[4],
+            .drag = v[5],
+            .drag2 = v[6],
+            .side = v[7],
+            .roll = v[8],
+            .pitch = v[9],
+            .yaw = v[10],
+            .fades = {v[11], v[12], v[13]}};
+}
+
+Propeller propeller(const Line& line) {
+    const Values& v = line.values;
+    const auto turned = math::sincos(v[3]);
+    const auto raised = math::sincos(v[4]);
+    return {.place_B = point(line),
+            .axis_B = Vector3(turned.cos * raised.cos, turned.sin * raised.cos, -raised.sin),
+            .turns_cw = v[5],
+            .diameter = v[6],
+            .inertia = v[7],
+            .most_advance = v[8],
+            .efficiency = v[9]};
+}
+
+Wheel wheel(const Line& line) {
+    const Values& v = line.values;
+    return {.place_B = point(line),
+            .stiffness = v[3],
+            .damping = v[4],
+            .rolling = v[5],
+            .brake = v[6],
+            .steered_by = math::saturate<int>(v[7]),
+            .steering = v[8]};
+}
+
+// Of the propeller that came last.
+bool take_polynomial(const Line& line, std::vector<Propeller>& propellers) {
+    if (propellers.empty() || line.count == 0) return false;
+    const std::vector<double> values(line.values.begin(), line.values.begin() + line.count);
+    if (line.key == "propeller_thrust") {
+        propellers.back().thrust = values;
+    } else if (line.key == "propeller_power") {
+        propellers.back().power = values;
+    } else if (line.key == "shaft_power") {
+        propellers.back().shaft_power = values;
+    } else {
+        return false;
+    }
+    return true;
+}
+
+bool take_derivatives(const Line& line, Wing& wing) {
+    const Values& v = line.values;
+    if (line.key == "wing_drag" && line.count == 7) {
+        wing.drag_zero = v[0];
+        wing.drag_alpha = v[1];
+        wing.drag_alpha2 = v[2];
+        wing.drag_beta = v[3];
+        wing.drag_beta2 = v[4];
+        wing.drag_lift2 = v[5];
+        wing.drag_least_lift = v[6];
+        return true;
+    }
+    if (line.count != 3) return false;
+    if (line.key == "wing_lift") {
+        wing.lift_zero = v[0];
+        wing.lift_alpha = v[1];
+        wing.lift_pitch_rate = v[2];
+    } else if (line.key == "wing_pitch") {
+        wing.pitch_zero = v[0];
+        wing.pitch_alpha = v[1];
+        wing.pitch_pitch_rate = v[2];
+    } else if (line.key == "wing_side") {
+        wing.side = lateral(v);
+    } else if (line.key == "wing_roll") {
+        wing.roll = lateral(v);
+    } else if (line.key == "wing_yaw") {
+        wing.yaw = lateral(v);
+    } else if (line.key == "roll_damping") {
+        wing.roll_damping = {v[0], v[1], v[2]};
+    } else {
+        return false;
+    }
+    return true;
+}
+
+bool take_wing(const Line& line, Wing& wing) {
+    const Values& v = line.values;
+    if (line.key == "wing" && line.count == 6) {
+        wing.area = v[0];
+        wing.span = v[1];
+        wing.chord = v[2];
+        wing.reference_B = Vector3(v[3], v[4], v[5]);
+    } else if (line.key == "stall" && line.count == 2) {
+        wing.stall_begins = v[0];
+        wing.stall_blend = v[1];
+    } else if (line.key == "stall_point" && line.count == 4) {
+        wing.curve.push_back({.alpha = v[0], .lift = v[1], .drag = v[2], .pitch = v[3]});
+    } else if (line.key == "surface" && line.count == 14 && wing.surfaces.size() < kMaxSurfaces) {
+        wing.surfaces.push_back(surface(v));
+    } else {
+        return take_derivatives(line, wing);
+    }
+    return true;
 }
 
 struct Number {
@@ -85,8 +199,14 @@ bool take(const Line& line, Vehicle& vehicle) {
                ground.points_B.size() < kMaxContactPoints) {
         ground.points_B.push_back(point(line));
         ground.feet += line.key == "foot" ? 1 : 0;
+    } else if (line.key == "wheel" && line.count == 9 && ground.wheels.size() < kMaxWheels) {
+        ground.wheels.push_back(wheel(line));
+    } else if (line.key == "propeller" && line.count == 10 &&
+               body.propellers.size() < kMaxPropellers) {
+        body.propellers.push_back(propeller(line));
     } else {
-        return take_number(line, vehicle);
+        return take_wing(line, body.wing) || take_polynomial(line, body.propellers) ||
+               take_number(line, vehicle);
     }
     return true;
 }
@@ -103,8 +223,18 @@ std::string read_vehicle(std::string_view text, Vehicle& vehicle) {
         }
     }
     const Airframe& body = vehicle.airframe;
-    if (!(body.mass > 0.0) || body.rotors.empty() || body.ground.feet == 0) {
-        return "expected a mass, rotors and feet, found a vehicle without";
+    const bool is_lifted = body.has_wing() || !body.rotors.empty();
+    const bool stands = body.ground.feet + body.ground.wheels.size() != 0;
+    if (!(body.mass > 0.0) || !is_lifted || !stands) {
+        return "expected a mass, rotors or a wing, and feet or wheels, found a vehicle without";
+    }
+    for (const Propeller& each : body.propellers) {
+        if (each.thrust.empty() || each.power.empty() || each.shaft_power.empty()) {
+            return "expected the curves of a propeller, found one without";
+        }
+    }
+    if (body.has_wing() && body.wing.curve.size() < 2) {
+        return "expected the curve of a stalled wing, found a wing without";
     }
     return "";
 }

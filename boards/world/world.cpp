@@ -8,30 +8,51 @@ namespace stator::world {
 
 namespace {
 
+// What flies by a wing stands on a runway into the wind, or on a launcher.
+constexpr double kMostOffRunway = 2.0 * math::kPi<double> / 180.0;
+
 // Somewhere near the middle of the laboratory, the nose in any direction.
-VehicleState draw_start(std::uint64_t seed) {
-    math::Random random(seed, static_cast<std::uint64_t>(Stream::kStart));
+VehicleState draw_start(const Conditions& conditions, const Airframe& airframe) {
+    math::Random random(conditions.seed, static_cast<std::uint64_t>(Stream::kStart));
     VehicleState start;
     start.position_N.x() = 0.4 * random.uniform_double() - 0.2;
     start.position_N.y() = 0.4 * random.uniform_double() - 0.2;
-    const double yaw = math::kTwoPi<double> * random.uniform_double() - math::kPi<double>;
-    start.q_NB = math::from_euler(math::EulerAngles<double>{0.0, 0.0, yaw});
+    const double part = random.uniform_double();
+    if (!airframe.has_wing()) {
+        const double yaw = math::kTwoPi<double> * part - math::kPi<double>;
+        start.q_NB = math::from_euler(math::EulerAngles<double>{0.0, 0.0, yaw});
+        return start;
+    }
+    const double yaw =
+        math::wrap_pi(conditions.wind.from + kMostOffRunway * (2.0 * part - 1.0));
+    double pitch = airframe.rest().pitch;
+    if (conditions.launch != Launch::kGround) {
+        const LaunchParameters launch = parameters_of(conditions.launch);
+        start.position_N.z() = -launch.height;
+        pitch = launch.pitch;
+    }
+    start.q_NB = math::from_euler(math::EulerAngles<double>{0.0, pitch, yaw});
     return start;
 }
 
 constexpr std::array<std::string_view, kMaxRotors> kMotors{
     "motor_1", "motor_2", "motor_3", "motor_4",  "motor_5",  "motor_6",
     "motor_7", "motor_8", "motor_9", "motor_10", "motor_11", "motor_12"};
+constexpr std::array<std::string_view, kMaxSurfaces> kServos{
+    "servo_1", "servo_2", "servo_3", "servo_4", "servo_5", "servo_6", "servo_7", "servo_8"};
 
 }  // namespace
 
 World::World(const Conditions& conditions, const Vehicle& published)
     : conditions_(conditions),
       vehicle_(conditions.vary ? vary(published, Variation{}, conditions.seed) : published),
-      plant_(vehicle_.airframe, draw_start(conditions.seed)),
+      plant_(vehicle_.airframe, draw_start(conditions, vehicle_.airframe)),
       battery_(vehicle_.battery),
       wind_(conditions.wind, conditions.seed),
-      watch_(plant_) {}
+      launcher_(conditions.launch, math::heading(plant_.state().q_NB)),
+      watch_(plant_) {
+    choose_air();
+}
 
 void World::move_to_next_event() {
     const std::uint64_t now_us = next_event_us_;
@@ -46,6 +67,7 @@ void World::move_plant(std::uint64_t time_us) {
     while (!commands_.empty() && commands_.front().time_us <= time_us) {
         plant_.run_until(commands_.front().time_us);
         plant_.command(commands_.front().control);
+        plant_.command_servos(commands_.front().servos);
         commands_.pop_front();
     }
     plant_.run_until(time_us);
@@ -63,11 +85,21 @@ void World::choose_influence(std::uint64_t now_us) {
     influence_.wind_N += more;
     influence_.supply = supply(now_us);
     influence_.current = battery_.current();
-    for (unsigned i = 0; i < vehicle_.airframe.rotor_count(); ++i) {
+    choose_air();
+    influence_.carried_N = launcher_.carries_N(plant_, motors_are_stopped_);
+    plant_.block_wheels(motors_are_stopped_);
+    for (unsigned i = 0; i < vehicle_.airframe.motor_count(); ++i) {
         const auto partial = faults.now(kMotors[i], FaultKind::kPartial, now_us);
         const bool is_lost = faults.now(kMotors[i], FaultKind::kLoss, now_us).has_value();
         influence_.efficiency[i] = is_lost ? 0.0 : partial.value_or(1.0);
     }
+}
+
+// A multicopter's rotors are described for the density at sea level; a wing flies in that of its
+// height.
+void World::choose_air() {
+    if (!vehicle_.airframe.has_wing()) return;
+    influence_.air_density = conditions_.earth.density(-plant_.state().position_N.z());
 }
 
 // The voltage that the motors get, of the nominal one.
@@ -95,9 +127,27 @@ void World::command_motors(std::uint64_t now_us, const Controls& control) {
             conditions_.faults.now(kMotors[i], FaultKind::kMotorStuck, now_us).has_value();
         if (!is_stuck) obeyed_[i] = control[i];
     }
-    commands_.push_back({now_us + vehicle_.command_delay_us, obeyed_});
-    move_plant(now_us);
     motors_are_stopped_ = std::all_of(control.begin(), control.end(), math::is_nan<float>);
+    push_command(now_us);
+}
+
+void World::command_servos(std::uint64_t now_us, const ServoControls& control) {
+    for (unsigned i = 0; i < kMaxSurfaces; ++i) {
+        const auto has = [&](FaultKind kind) {
+            return conditions_.faults.now(kServos[i], kind, now_us).has_value();
+        };
+        if (has(FaultKind::kLoss)) {
+            obeyed_servos_[i] = 0.0F;  // a linkage that has come off, in the wind
+        } else if (!has(FaultKind::kStuck)) {
+            obeyed_servos_[i] = control[i];
+        }
+    }
+    push_command(now_us);
+}
+
+void World::push_command(std::uint64_t now_us) {
+    commands_.push_back({now_us + vehicle_.command_delay_us, obeyed_, obeyed_servos_});
+    move_plant(now_us);
 }
 
 }  // namespace stator::world

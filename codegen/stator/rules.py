@@ -62,6 +62,11 @@ RULES = {
     "rotor-place": "two rotors are at the same place",
     "rotors-cannot-steer": "the rotors cannot turn the vehicle about each axis",
     "thrust-too-small": "the rotors cannot carry the weight",
+    "surface-twice": "two control surfaces have the same name",
+    "surface-unknown": "a wheel is steered by an unknown control surface",
+    "surfaces-cannot-steer": "the control surfaces cannot turn the vehicle",
+    "stall-curve": "the curve of a stalled wing does not rise in angle up to 180 deg",
+    "propeller-impossible": "a propeller does not pull, or costs no power",
     # ports
     "port-unknown": "the app does not have this input or output",
     "input-missing": "a required input is not connected",

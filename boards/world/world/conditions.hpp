@@ -5,6 +5,7 @@
 
 #include "world/earth.hpp"
 #include "world/faults.hpp"
+#include "world/launch.hpp"
 #include "world/pilot.hpp"
 #include "world/wind.hpp"
 
@@ -13,6 +14,7 @@ namespace stator::world {
 struct Conditions {
     std::uint64_t seed = 1;  // of the start, the sensors' biases and all noise
     bool vary = false;       // the vehicle, from the seed
+    Launch launch = Launch::kGround;
     WindParameters wind{};
     Faults faults{};
     Pilot pilot{};

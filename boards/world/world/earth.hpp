@@ -31,6 +31,7 @@ struct Earth {
     // Static pressure in Pa, and temperature in degC, of the standard atmosphere, ISO 2533.
     double pressure(double height) const;
     double temperature_degc(double height) const;
+    double density(double height) const;  // kg/m^3, of the same atmosphere
     Vector3 magnetic_field_N() const;  // gauss
 };
 

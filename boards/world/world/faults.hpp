@@ -1,7 +1,7 @@
 // What goes wrong in a simulated flight, and when: --fail WHAT[=VALUE]@SECONDS[+SECONDS].
 //
-// WHAT is one of a few names, or PART.FAULT: a device of the board, `motor_1` and so on,
-// `motors` or `wind`, and what is wrong with it. Of a sensor, FAULT is [QUANTITY_][AXIS_]NAME, such
+// WHAT is one of a few names, or PART.FAULT: a device of the board, `motor_1` and so on, `servo_1`
+// and so on, `motors` or `wind`, and what is wrong with it. Of a sensor, FAULT is [QUANTITY_][AXIS_]NAME, such
 // as offset, accel_offset or accel_z_offset. Stator knows which parts a graph has and what they can
 // do.
 #pragma once
@@ -32,6 +32,11 @@ enum class FaultKind : std::uint8_t {
     kDropOut,      // no samples
     kSwappedAxis,  // x and y are exchanged
     kWrongSign,
+    // Of a pitot tube.
+    kPitotBlocked,   // the tube is closed, its drain open: it reads nothing
+    kPitotTrapped,   // both are closed, so it reads height
+    kStaticBlocked,  // the static port is closed
+    kIce,            // its airspeed falls to nothing within VALUE seconds
     // Of the radio receiver.
     kSilence,     // no frames
     kPreset,      // sticks as programmed for this case: level, throttle down; and it says nothing

@@ -1,4 +1,4 @@
-// The simulated vehicle: a rigid body under a sum of forces, with lagging motors.
+// The simulated vehicle: a rigid body under a sum of forces, with lagging motors and servos.
 //
 //   position' = v_N          m v_N' = R_NB f_B + m g        (f_B: all forces but gravity)
 //   q_NB' = q_NB (0, w_B)/2  I w_B' = t_B - w_B x I w_B     (t_B: all torques)
@@ -10,15 +10,19 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "world/ground.hpp"
+#include "world/propeller.hpp"
+#include "world/wing.hpp"
 
 namespace stator::world {
 
 inline constexpr unsigned kMaxRotors = 12;
 using RotorSpeeds = Eigen::Matrix<double, kMaxRotors, 1>;  // rad/s; 0 without a rotor
-using Controls = std::array<float, kMaxRotors>;            // of the motors
+// Of the motors: of rotors, and then of propellers.
+using Controls = std::array<float, kMaxRotors>;
 
 // A rotor thrusts along -z_B.
 struct Rotor {
@@ -52,15 +56,22 @@ struct Airframe {
     double rise_time_constant = 1.0;  // s, of a rotor that speeds up
     double fall_time_constant = 1.0;  // s
     Vector3 drag_area_B{0, 0, 0};     // m^2, of the airframe, drag coefficient times area
-    double air_density = 1.225;       // kg/m^3, ISO 2533 at sea level
     double disc_area = 1.0;           // m^2, of a rotor
     double power_efficiency = 1.0;    // of propeller, motor and controller
     double avionics_power = 0.0;      // W
     double nominal_voltage = 1.0;     // V: commands hold for this one
     double gravity = 9.80665;         // m/s^2, ISO 80000-3
     GroundParameters ground{};
+    Wing wing{};
+    std::vector<Propeller> propellers{};  // at most kMaxPropellers
 
     unsigned rotor_count() const { return static_cast<unsigned>(rotors.size()); }
+    unsigned motor_count() const {
+        return static_cast<unsigned>(rotors.size() + propellers.size());
+    }
+    bool has_wing() const { return wing.area > 0.0; }
+    // Feet of a multicopter are alike and below its centre; an aeroplane stands as its wheels are.
+    Rest rest() const;
 };
 
 struct VehicleState {
@@ -69,6 +80,7 @@ struct VehicleState {
     Quaternion q_NB = Quaternion::Identity();
     Vector3 rate_B = Vector3::Zero();
     RotorSpeeds rotor_speeds = RotorSpeeds::Zero();
+    PropellerSpeeds propeller_speeds = PropellerSpeeds::Zero();
 };
 
 // What acts on the vehicle besides its commands.
@@ -76,7 +88,16 @@ struct Influence {
     Vector3 wind_N = Vector3::Zero();                     // m/s
     double supply = 1.0;                                  // voltage, of the nominal one
     double current = 0.0;                                 // A, through the supply's wires
-    RotorSpeeds efficiency = RotorSpeeds::Constant(1.0);  // of each rotor's thrust
+    RotorSpeeds efficiency = RotorSpeeds::Constant(1.0);  // of each motor's thrust
+    double air_density = 1.225;                           // kg/m^3, ISO 2533 at sea level
+    // What a launcher or a hand makes of the vehicle's motion, whatever else acts.
+    std::optional<Vector3> carried_N{};  // m/s^2
+};
+
+// Against the air, which forces of rotors and wings come from.
+struct AirMotion {
+    Vector3 velocity_B;
+    Vector3 rate_B;
 };
 
 class Plant {
@@ -85,6 +106,10 @@ class Plant {
 
     // From now on. Each a fraction of a motor's most thrust, 0 to 1; not a number is stopped.
     void command(const Controls& control);
+    // Of the surfaces, each -1 to 1; not a number is neutral.
+    void command_servos(const ServoControls& control) { servo_control_ = control; }
+    // While a vehicle waits, its wheels are blocked.
+    void block_wheels(bool are_blocked) { ground_.brake(are_blocked); }
     void set_influence(const Influence& influence) { influence_ = influence; }
     // Moves on by a multiple of 1 us.
     void run_until(std::uint64_t time_us);
@@ -99,17 +124,27 @@ class Plant {
     const Influence& influence() const { return influence_; }
     Vector3 velocity_in_air_B() const;
     double lift_over_weight() const;
+    // Of the mean motor, as it shakes the airframe: 1 in hover.
+    double mean_load() const;
+    const Deflections& deflections() const { return deflections_; }
     double electric_power() const;  // W
 
   private:
-    Wrench applied_wrench(const Motion& motion, const RotorSpeeds& speeds) const;
+    Wrench applied_wrench(const Motion& motion, const VehicleState& state,
+                          PropellerSpeeds& propeller_rates) const;
     VehicleState derivative(const VehicleState& state) const;
+    Wrench add_propellers(const AirMotion& motion, const VehicleState& state,
+                          PropellerSpeeds& rates) const;
+    void move_surfaces(double dt);
 
     Airframe parameters_;
     VehicleState state_;
     Ground ground_;
     Influence influence_{};
-    RotorSpeeds commanded_speeds_ = RotorSpeeds::Zero();  // at the nominal voltage
+    RotorSpeeds commanded_speeds_ = RotorSpeeds::Zero();       // at the nominal voltage
+    PropellerSpeeds shaft_powers_ = PropellerSpeeds::Zero();  // W, at the nominal voltage
+    ServoControls servo_control_{};
+    Deflections deflections_{};
     std::uint64_t time_us_ = 0;
 };
 

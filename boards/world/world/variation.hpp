@@ -21,7 +21,7 @@ struct Vehicle {
 struct Variation {
     double mass = 0.15;        // part of it
     double inertia = 0.20;     // each axis
-    double thrust = 0.10;      // all rotors alike
+    double thrust = 0.10;      // all rotors and propellers alike
     double centre = 0.01;      // m, of gravity, forward and to the right
     double most_delay = 6e-3;  // s
     double bias = 2.0;

@@ -1,6 +1,7 @@
 // The vehicle of a flight as text: a key and its numbers on each line. The compiler writes it from
 // graph/vehicles/NAME.yaml, in SI units; `rotor` (x, y, z, 1 if counter-clockwise or -1, part of
-// its thrust), `foot` and `hull` (x, y, z) come once for each.
+// its thrust), `foot` and `hull` (x, y, z), `wheel`, `surface`, `stall_point` and `propeller` come
+// once for each; the curves of a propeller follow it.
 #pragma once
 
 #include <string>

@@ -38,6 +38,7 @@ class World {
     // The command acts from `now_us` on or, of a varied vehicle, after its delay. `now_us`
     // is not before the newest event.
     void command_motors(std::uint64_t now_us, const Controls& control);
+    void command_servos(std::uint64_t now_us, const ServoControls& control);
 
     std::uint64_t time_us() const { return plant_.time_us(); }
     const Conditions& conditions() const { return conditions_; }
@@ -54,6 +55,8 @@ class World {
     void move_plant(std::uint64_t time_us);
     void choose_influence(std::uint64_t now_us);
     double supply(std::uint64_t now_us);
+    void choose_air();
+    void push_command(std::uint64_t now_us);
 
     Conditions conditions_;
     Vehicle vehicle_;
@@ -61,13 +64,16 @@ class World {
     Battery battery_;
     Wind wind_;
     Influence influence_{};
+    Launcher launcher_;
     FlightWatch watch_;
     struct Command {
         std::uint64_t time_us;  // from when on it acts
         Controls control;
+        ServoControls servos;
     };
     std::deque<Command> commands_;  // on their way
     Controls obeyed_{};             // the newest command of each motor that is not stuck
+    ServoControls obeyed_servos_{};
     double weakness_ = 1.0;         // of a supply that gives too little current
     bool motors_are_stopped_ = true;
     std::uint64_t next_event_us_ = 0;

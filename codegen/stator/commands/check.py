@@ -82,15 +82,29 @@ def main(arguments: argparse.Namespace) -> int:
 def _check_vehicle(path: Path, *, as_json: bool) -> int:
     """Raises `Failed`."""
     vehicle = check_vehicle(path)
-    count, ratio = len(vehicle.rotors.places), vehicle.thrust_over_weight
+    count, ratio = len(vehicle.places), vehicle.thrust_over_weight
     if as_json:
-        facts = {"mass_kg": vehicle.mass, "rotors": count, "thrust_over_weight": round(ratio, 4)}
+        facts: dict[str, float] = {
+            "mass_kg": vehicle.mass,
+            "rotors": count,
+            "thrust_over_weight": round(ratio, 4),
+        }
+        if vehicle.wing is not None:
+            facts |= {
+                "propellers": len(vehicle.propellers),
+                "surfaces": len(vehicle.surfaces),
+                "stall_airspeed_m_s": round(vehicle.stall_airspeed, 3),
+            }
         print(json.dumps({"errors": [], "vehicle": vehicle.name} | facts, indent=2))
         return 0
-    print(
-        f"{shown_path(path)}: no errors: {vehicle.mass:g} kg, {_count(count, 'rotor')}, thrust "
-        f"{ratio:.2f} times the weight"
-    )
+    parts = [f"{vehicle.mass:g} kg"]
+    if vehicle.rotors is not None:
+        parts.append(_count(count, "rotor"))
+    if vehicle.wing is not None:
+        parts.append(_count(len(vehicle.propellers), "propeller"))
+        parts.append(f"stall at {vehicle.stall_airspeed:.1f} m/s")
+    parts.append(f"thrust {ratio:.2f} times the weight")
+    print(f"{shown_path(path)}: no errors: {', '.join(parts)}")
     return 0
 
 

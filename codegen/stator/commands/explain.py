@@ -3,6 +3,8 @@ the vehicle can do."""
 
 from __future__ import annotations
 
+import math
+import re
 import textwrap
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -88,7 +90,10 @@ def explain(plan: Plan, name: str) -> list[str] | None:
 
 def _vehicle(vehicle: Vehicle) -> list[Row]:
     """What it can do, and what nodes take from it."""
-    rotors, battery = vehicle.rotors, vehicle.battery
+    battery = vehicle.battery
+    motors = f"{len(vehicle.places)} rotors"
+    if vehicle.rotors is None:
+        motors = f"{len(vehicle.propellers)} propellers"
     xx, yy, zz, xz = vehicle.inertia
     rows = [
         ("in", shown_path(vehicle.file)),
@@ -96,17 +101,24 @@ def _vehicle(vehicle: Vehicle) -> list[Row]:
         ("inertia", f"xx {xx:g}, yy {yy:g}, zz {zz:g}, xz {xz:g} kg m^2"),
         (
             "thrust",
-            f"{rotors.most_thrust:.1f} N of {len(rotors.places)} rotors, "
+            f"{vehicle.most_thrust:.1f} N of {motors}, "
             f"{vehicle.thrust_over_weight:.2f} times the weight",
         ),
         ("battery", f"{battery.cells} cells, {battery.capacity / 3600.0:g} Ah"),
     ]
-    for i, rotor in enumerate(rotors.places):
+    for i, rotor in enumerate(vehicle.places):
         wake = "" if rotor.in_wake == 1.0 else f", {rotor.in_wake:g} of its thrust in a wake"
         turns = "counter-clockwise" if rotor.is_ccw else "clockwise"
         place = f"{rotor.x:g} m forward, {rotor.y:g} m right, {rotor.z:g} m down"
         rows.append((f"rotor {i + 1}", f"{place}, turns {turns}{wake}"))
-    given = [(key, value) for key, value in param_values(vehicle).items() if "rotor" not in key]
+    for i, surface in enumerate(vehicle.surfaces):
+        least, most = math.degrees(surface.least), math.degrees(surface.most)
+        rows.append((f"surface {i + 1}", f"{surface.name}, {least:.4g} to {most:.4g} deg"))
+    given = [
+        (key, value)
+        for key, value in param_values(vehicle).items()
+        if "rotor" not in key and not re.match(r"surface\d", key)
+    ]
     rows += [(f"value {key}", f"{float(value):g}") for key, value in given]
     return rows
 

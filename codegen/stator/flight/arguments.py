@@ -130,6 +130,13 @@ def add_world_arguments(parser: argparse.ArgumentParser) -> argparse._ArgumentGr
         help="gusts as in MIL-F-8785C (default: none)",
     )
     world.add_argument(
+        "--launch",
+        choices=["ground", "catapult", "hand"],
+        default="ground",
+        help="how a vehicle with a wing starts: on a runway into the wind, from a catapult or from "
+        "a hand, 1 s after it is armed (default: ground)",
+    )
+    world.add_argument(
         "--fail",
         action="append",
         default=[],
@@ -235,6 +242,7 @@ def flight_options(arguments: argparse.Namespace) -> list[str]:
     options = ["--seed", str(arguments.seed), "--duration", f"{arguments.duration:.6f}"]
     options += ["--wind", f"{arguments.wind:.6f}", "--wind-from", f"{arguments.wind_from:.6f}"]
     options += ["--gusts", arguments.gusts, "--vary", "yes" if arguments.vary else "no"]
+    options += ["--launch", arguments.launch] if arguments.launch != "ground" else []
     options += [
         word
         for fault in faults_of(arguments)
@@ -257,6 +265,7 @@ def words_of(arguments: argparse.Namespace) -> list[str]:
     words += ["--wind", f"{arguments.wind:g}"] if arguments.wind else []
     words += ["--wind-from", f"{arguments.wind_from:g}"] if arguments.wind_from else []
     words += ["--gusts", arguments.gusts] if arguments.gusts != "none" else []
+    words += ["--launch", arguments.launch] if arguments.launch != "ground" else []
     words += [word for text in arguments.fail for word in ("--fail", text)]
     words += ["--hil", arguments.hil] if getattr(arguments, "hil", None) else []
     words += ["--pilot", shown_path(arguments.pilot)] if arguments.pilot else []

@@ -1,6 +1,6 @@
 """What can fail in a simulated flight of a graph: `--fail PART.FAULT[=VALUE]@S[+S]`.
 
-PART is a device of the graph, one of its motors, another node, or the wind. Here stand the names,
+PART is a device of the graph, one of its motors or control surfaces, another node, or the wind. Here stand the names,
 their usual values and their ranges; the simulated world (boards/world/faults.cpp) makes them
 happen.
 """
@@ -40,6 +40,7 @@ QUANTITIES = {
     "gnss": {"position": (True, 10.0), "velocity": (True, 2.0)},  # m, m/s
     "baro": {"pressure": (False, 100.0)},  # Pa
     "mag": {"field": (True, 0.2)},  # gauss
+    "airspeed": {"pressure": (False, 30.0)},  # Pa; 2 m/s at 15 m/s
     "mocap": {"position": (True, 0.2), "yaw": (False, 0.5)},  # m, rad
     "battery": {"remaining": (False, 0.2), "voltage": (False, 1.0)},
 }
@@ -60,6 +61,7 @@ OF_SENSOR = {
 }
 NODE = "node"
 OF_NODE = {"stuck": NONE}  # it does not run, and its outputs keep what they have
+OF_SERVO = {"loss": NONE, "stuck": NONE}  # it hangs in the wind, or stays where it is
 OF_MOTOR = {"loss": NONE, "partial": Usual(0.5, most=1.0), "stuck": NONE}
 SPECIAL: dict[str, dict[str, Usual]] = {
     "gnss": {
@@ -67,6 +69,12 @@ SPECIAL: dict[str, dict[str, Usual]] = {
         "glitch": Usual(20.0, most=1e5),
         "spoof": Usual(0.5, least=-100.0, most=100.0),
         "multipath": Usual(10.0, most=1e5),
+    },
+    "airspeed": {  # the tube with its drain, the static port
+        "blocked": NONE,
+        "trapped": NONE,
+        "static_blocked": NONE,
+        "ice": Usual(30.0, least=0.1, most=1e4),  # s, until nothing is left
     },
     "radio": {"loss": NONE, "silence": NONE, "preset": NONE, "stuck_stick": NONE},
     "battery": {
@@ -107,6 +115,7 @@ class Fault:
     from_s: float
     lasts_s: float  # infinite: for good
     device_class: str
+    own_part: str = ""  # the flight program's name of the part, if it has another
 
     def __str__(self) -> str:
         value = "" if self.value is None else f"={self.value:g}"
@@ -123,7 +132,7 @@ class Fault:
 
     @property
     def takes_steering_away(self) -> bool:
-        return self.device_class in ("motor", "wind", NODE) or (
+        return self.device_class in ("motor", "servo", "wind", NODE) or (
             self.device_class == "battery" and self.name in ("low", "sag", "weak_supply", "dead")
         )
 
@@ -144,7 +153,8 @@ class Fault:
         if self.device_class == NODE:
             return [f"{self.part}.hang{when}"]
         own = OWN.get((self.device_class, self.name))
-        return [f"{own or f'{self.part}.{self.name}'}{value}{when}"]
+        part = self.own_part or self.part
+        return [f"{own or f'{part}.{self.name}'}{value}{when}"]
 
 
 class Faults:
@@ -152,7 +162,8 @@ class Faults:
 
     def __init__(self, plan: Plan) -> None:
         self.classes: dict[str, str] = {}  # of each part
-        self.motors = len(plan.graph.vehicle.rotors.places)
+        self.motors = plan.graph.vehicle.motor_count
+        self.servos: list[str] = []  # of each surface
         has_motors = False
         for node in plan.graph.nodes.values():
             if node.interface.name == "can_esc":
@@ -164,6 +175,9 @@ class Faults:
             has_motors |= kind == "motor"
             if kind in QUANTITIES or kind in SPECIAL:
                 self.classes[node.device] = kind
+            if kind == "servo":
+                self.servos = [surface.name for surface in plan.graph.vehicle.surfaces]
+        self.classes |= dict.fromkeys(self.servos, "servo")
         if has_motors:
             self.classes |= {f"motor_{i + 1}": "motor" for i in range(self.motors)}
         self.classes["wind"] = "wind"
@@ -172,6 +186,8 @@ class Faults:
         kind = self.classes[part]
         if kind == "motor":
             return OF_MOTOR
+        if kind == "servo":
+            return OF_SERVO
         if kind == NODE:
             return OF_NODE
         known = dict(SPECIAL.get(kind, {}))
@@ -196,7 +212,7 @@ class Faults:
         for part, kind in self.classes.items():
             if kind == NODE:
                 continue
-            names = list(SPECIAL.get(kind, OF_MOTOR if kind == "motor" else {}))
+            names = list(SPECIAL.get(kind, {"motor": OF_MOTOR, "servo": OF_SERVO}.get(kind, {})))
             quantities = QUANTITIES.get(kind, {})
             if quantities:
                 names += [*OF_SENSOR, *OF_QUANTITY]
@@ -230,7 +246,14 @@ class Faults:
         value = usual.value
         if equals:
             value = _value(text, number, usual)
-        return Fault(part, fault, value, from_s, lasts_s, self.classes[part])
+        return self._fault(part, fault, value, from_s, lasts_s)
+
+    def _fault(
+        self, part: str, name: str, value: float | None, from_s: float, lasts_s: float
+    ) -> Fault:
+        kind = self.classes[part]
+        own = f"servo_{self.servos.index(part) + 1}" if kind == "servo" else ""
+        return Fault(part, name, value, from_s, lasts_s, kind, own)
 
     def _part_of(self, text: str, name: str) -> tuple[str, str]:
         part, dot, fault = name.rpartition(".")
@@ -262,7 +285,7 @@ class Faults:
                 value = min(round(value * draw.uniform(0.5, 2.0), 3), usual.most)
             from_s = round(draw.uniform(5.0, max(longest_s, 10.0)), 1)
             lasts_s = draw.choice([0.3, 1.0, 3.0, 10.0, 30.0, math.inf])
-            found.append(Fault(part, name, value, from_s, lasts_s, self.classes[part]))
+            found.append(self._fault(part, name, value, from_s, lasts_s))
         return found
 
 

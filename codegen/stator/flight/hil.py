@@ -20,7 +20,10 @@ USUAL_PLACE = "tcp:4560"
 _PLACE = re.compile(r"tcp:(?:(?:\d+\.\d+\.\d+\.\d+|localhost):)?(\d+)")
 _MAX_PORT = 65535
 # What the world of `fly` decides, and a simulator beside it decides for itself.
-_OWN_WORLD = {"seed": 1, "vary": False, "wind": 0.0, "wind_from": 0.0, "gusts": "none", "fail": []}
+_OWN_WORLD = {
+    **{"seed": 1, "vary": False, "wind": 0.0, "wind_from": 0.0, "gusts": "none"},
+    **{"launch": "ground", "fail": []},
+}
 _UNFED = ("mocap", "can")  # classes of devices that no message feeds
 
 

@@ -56,6 +56,7 @@ def _words(arguments: argparse.Namespace, params: list[Replaced]) -> str:
     words = [f"wind{arguments.wind:g}"] if arguments.wind else []
     words += [f"from{arguments.wind_from:g}"] if arguments.wind and arguments.wind_from else []
     words += [f"gusts_{arguments.gusts}"] if arguments.gusts != "none" else []
+    words += [arguments.launch] if arguments.launch != "ground" else []
     words += ["vary"] if arguments.vary else []
     words += [f"times_{arguments.times}"] if getattr(arguments, "times", "zero") != "zero" else []
     words += ["hil"] if getattr(arguments, "hil", None) else []

@@ -9,7 +9,22 @@ from typing import TYPE_CHECKING
 
 from stator.diagnostics import Report
 from stator.graph.sources import Sources
+from stator.graph.wing import (
+    AIR_DENSITY,
+    Point,
+    Propeller,
+    Surface,
+    Wheel,
+    Wing,
+    check_surfaces,
+    point,
+    read_propellers,
+    read_surfaces,
+    read_wheels,
+    read_wing,
+)
 from stator.language.vehicle_keys import MAX_ROTORS, VEHICLE
+from stator.language.wing_keys import MAX_SURFACES
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,8 +33,6 @@ if TYPE_CHECKING:
     from stator.language.shapes import Leaf, Record
 
 GRAVITY = 9.80665
-Point = tuple[float, float, float]
-
 
 @dataclass(frozen=True)
 class Rotor:
@@ -42,7 +55,7 @@ class Rotors:
     inflow_pitch: float
     drag: float
     rolling_moment: float
-    places: tuple[Rotor, ...]
+    places: tuple[Rotor, ...] = ()
 
     @property
     def most_thrust(self) -> float:
@@ -56,6 +69,7 @@ class Ground:
     friction: float
     feet: tuple[Point, ...]
     hull: tuple[Point, ...]
+    wheels: tuple[Wheel, ...]
 
 
 @dataclass(frozen=True)
@@ -77,34 +91,88 @@ class Vehicle:
     mass: float
     inertia: tuple[float, float, float, float]  # xx, yy, zz, xz
     drag_area: Point
-    rotors: Rotors
+    rotors: Rotors | None
     ground: Ground
     battery: Battery
+    wing: Wing | None
+    surfaces: tuple[Surface, ...]
+    propellers: tuple[Propeller, ...]
+
+    @property
+    def weight(self) -> float:
+        return self.mass * GRAVITY
+
+    @property
+    def places(self) -> tuple[Rotor, ...]:
+        return () if self.rotors is None else self.rotors.places
+
+    @property
+    def motor_count(self) -> int:
+        """Rotors and, after them, propellers."""
+        return len(self.places) + len(self.propellers)
+
+    @property
+    def most_thrust(self) -> float:
+        """Up, or of a vehicle without rotors forward, standing at sea level."""
+        if self.rotors is not None:
+            return self.rotors.most_thrust
+        return sum(propeller.static_thrust for propeller in self.propellers)
 
     @property
     def thrust_over_weight(self) -> float:
-        return 1.0 / self.hover_thrust
+        return self.most_thrust / self.weight
 
     @property
     def hover_thrust(self) -> float:
-        """What carries the weight, of all the thrust that there is."""
-        return self.mass * GRAVITY / self.rotors.most_thrust
+        """What carries the weight, of all the thrust of the rotors."""
+        assert self.rotors is not None
+        return self.weight / self.rotors.most_thrust
+
+    @property
+    def stall_airspeed(self) -> float:
+        """In straight flight at sea level."""
+        assert self.wing is not None
+        lift = AIR_DENSITY * self.wing.area * self.wing.most_lift
+        return math.sqrt(2.0 * self.weight / lift)
 
 
 def param_values(vehicle: Vehicle) -> dict[str, Fraction]:
     """What parameters may take from a vehicle, as a person writes it."""
-    values: dict[str, Fraction] = {
-        "hover_thrust": _rounded(vehicle.hover_thrust, 3),
-        "rotor_count": Fraction(len(vehicle.rotors.places)),
-    }
+    values: dict[str, Fraction] = {}
+    if vehicle.rotors is not None:
+        values["hover_thrust"] = _rounded(vehicle.hover_thrust, 3)
+    values["rotor_count"] = Fraction(len(vehicle.places))
     for axis, moment in zip("xyz", vehicle.inertia, strict=False):
         values[f"gyration_{axis}"] = _rounded(math.sqrt(moment / vehicle.mass), 4)
     for i in range(MAX_ROTORS):
         values |= {f"rotor{i}_{what}": Fraction(0) for what in ("x", "y", "moment")}
-    for i, rotor in enumerate(vehicle.rotors.places):
+    for i, rotor in enumerate(vehicle.places):
+        assert vehicle.rotors is not None
         moment = vehicle.rotors.torque_per_thrust * (1.0 if rotor.is_ccw else -1.0)
         for what, value in (("x", rotor.x), ("y", rotor.y), ("moment", moment)):
             values[f"rotor{i}_{what}"] = Fraction(repr(value))
+    if vehicle.wing is not None:
+        values |= _wing_values(vehicle, vehicle.wing)
+    return values
+
+
+def _wing_values(vehicle: Vehicle, wing: Wing) -> dict[str, Fraction]:
+    values = {
+        "mass": _rounded(vehicle.mass, 4),
+        "wing_area": _rounded(wing.area, 4),
+        "wing_span": _rounded(wing.span, 4),
+        "wing_chord": _rounded(wing.chord, 4),
+        "stall_airspeed": _rounded(vehicle.stall_airspeed, 2),
+        "propeller_count": Fraction(len(vehicle.propellers)),
+        "surface_count": Fraction(len(vehicle.surfaces)),
+    }
+    # The torque of command 1, over dynamic pressure and wing area.
+    lengths = {"roll": wing.span, "pitch": wing.chord, "yaw": wing.span}
+    for i in range(MAX_SURFACES):
+        surface = vehicle.surfaces[i] if i < len(vehicle.surfaces) else None
+        for axis, length in lengths.items():
+            effect = 0.0 if surface is None else getattr(surface, axis) * surface.most * length
+            values[f"surface{i}_{axis}"] = _rounded(effect, 5)
     return values
 
 
@@ -156,6 +224,7 @@ def read_vehicle(sources: Sources, name: str, path: Path) -> Vehicle | None:
         return None
     rotors = record.get("rotors")
     inertia = record.get("inertia")
+    surfaces = read_surfaces(record.get("surfaces"), sources.report)
     vehicle = Vehicle(
         name=name,
         file=path,
@@ -167,23 +236,47 @@ def read_vehicle(sources: Sources, name: str, path: Path) -> Vehicle | None:
             inertia.value("zz"),
             inertia.value("xz", 0.0),
         ),
-        drag_area=_point(record.get("drag_area")),
-        rotors=_rotors(rotors),
-        ground=_ground(record.get("ground")),
+        drag_area=point(record.get("drag_area")),
+        rotors=None if rotors is None else _rotors(rotors),
+        ground=_ground(record.get("ground"), surfaces, sources.report),
         battery=_battery(record.get("battery")),
+        wing=read_wing(record.get("wing"), sources.report),
+        surfaces=surfaces,
+        propellers=read_propellers(record.get("propellers"), sources.report),
     )
     _check_inertia(vehicle, record.keys["inertia"], sources.report)
-    if _are_apart(vehicle, rotors.get("places"), sources.report):
-        _check_steering(vehicle, rotors.keys["places"], sources.report)
-    _check_thrust(vehicle, record.keys["rotors"], sources.report)
+    _check_parts(vehicle, record, sources.report)
+    if vehicle.rotors is not None:
+        if _are_apart(vehicle, rotors.get("places"), sources.report):
+            _check_steering(vehicle.rotors, rotors.keys["places"], sources.report)
+        _check_thrust(vehicle, record.keys["rotors"], sources.report)
+    if vehicle.wing is not None:
+        check_surfaces(surfaces, record, sources.report)
     return None if len(sources.report) > count else vehicle
 
 
-def _point(leaf: Leaf | None) -> Point:
-    if leaf is None:
-        return (0.0, 0.0, 0.0)
-    x, y, z = (item.value for item in leaf.value)
-    return (x, y, z)
+def _check_parts(vehicle: Vehicle, record: Record, report: Report) -> None:
+    """A vehicle has what lifts it, what moves it, and what it stands on."""
+    missing: list[tuple[Mark, str, str]] = []
+    if vehicle.rotors is None and vehicle.wing is None:
+        missing.append((record.owner, "rotors", "what lifts: rotors, or a `wing`"))
+    if vehicle.wing is not None and not vehicle.propellers:
+        missing.append((record.keys["wing"], "propellers", "what moves the wing through the air"))
+    if vehicle.wing is None:
+        for key in ("surfaces", "propellers"):
+            if key in record.keys:
+                missing.append((record.keys[key], "wing", f"what `{key}` belong to"))
+    if not vehicle.ground.feet and not vehicle.ground.wheels:
+        missing.append((record.keys["ground"], "feet", "what it stands on: feet, or `wheels`"))
+    for mark, key, why in missing:
+        report.error(mark, "missing-key", f"missing key '{key}'", f"add `{key}`: {why}")
+    if vehicle.motor_count > MAX_ROTORS:
+        report.error(
+            record.keys["propellers"],
+            "out-of-range",
+            f"expected at most {MAX_ROTORS} rotors and propellers, found {vehicle.motor_count}",
+            f"remove {vehicle.motor_count - MAX_ROTORS} of them",
+        )
 
 
 def _rotors(record: Record) -> Rotors:
@@ -211,13 +304,14 @@ def _rotors(record: Record) -> Rotors:
     )
 
 
-def _ground(record: Record) -> Ground:
+def _ground(record: Record, surfaces: tuple[Surface, ...], report: Report) -> Ground:
     return Ground(
         stiffness=record.value("stiffness"),
         damping=record.value("damping"),
         friction=record.value("friction"),
-        feet=tuple(map(_point, record.value("feet"))),
-        hull=tuple(map(_point, record.value("hull", []))),
+        feet=tuple(map(point, record.value("feet", []))),
+        hull=tuple(map(point, record.value("hull", []))),
+        wheels=read_wheels(record.get("wheels"), surfaces, report),
     )
 
 
@@ -255,26 +349,27 @@ def _check_inertia(vehicle: Vehicle, mark: Mark, report: Report) -> None:
 
 def _are_apart(vehicle: Vehicle, places: Leaf, report: Report) -> bool:
     count = len(report)
-    for i, rotor in enumerate(vehicle.rotors.places):
+    rotors = vehicle.places
+    for i, rotor in enumerate(rotors):
         same = [
             other
-            for other in vehicle.rotors.places[:i]
+            for other in rotors[:i]
             if (other.x, other.y, other.z) == (rotor.x, rotor.y, rotor.z)
         ]
         if same:
             report.error(
                 places.value[i].mark,
                 "rotor-place",
-                f"duplicate place of a rotor: rotors {vehicle.rotors.places.index(same[0]) + 1} "
+                f"duplicate place of a rotor: rotors {rotors.index(same[0]) + 1} "
                 f"and {i + 1} are at the same point",
                 "move one of them; a coaxial pair has two values of z",
             )
     return len(report) == count
 
 
-def effectiveness(vehicle: Vehicle) -> list[list[float]]:
+def effectiveness(rotors: Rotors) -> list[list[float]]:
     """Roll, pitch, yaw torque and lift of a unit of thrust, a row for each rotor."""
-    moment = vehicle.rotors.torque_per_thrust
+    moment = rotors.torque_per_thrust
     return [
         [
             -r.y * r.in_wake,
@@ -282,13 +377,13 @@ def effectiveness(vehicle: Vehicle) -> list[list[float]]:
             (moment if r.is_ccw else -moment) * r.in_wake,
             r.in_wake,
         ]
-        for r in vehicle.rotors.places
+        for r in rotors.places
     ]
 
 
-def _check_steering(vehicle: Vehicle, mark: Mark, report: Report) -> None:
+def _check_steering(rotors: Rotors, mark: Mark, report: Report) -> None:
     """Torque about each axis apart from the others, and from lift."""
-    rows = effectiveness(vehicle)
+    rows = effectiveness(rotors)
     left: list[list[float]] = []
     for name, axis in (("lift", 3), ("roll", 0), ("pitch", 1), ("yaw", 2)):
         column = [row[axis] for row in rows]
@@ -311,12 +406,11 @@ def _check_steering(vehicle: Vehicle, mark: Mark, report: Report) -> None:
 
 
 def _check_thrust(vehicle: Vehicle, mark: Mark, report: Report) -> None:
-    weight = vehicle.mass * GRAVITY
-    if vehicle.rotors.most_thrust <= weight:
+    if vehicle.most_thrust <= vehicle.weight:
         report.error(
             mark,
             "thrust-too-small",
-            f"expected more thrust than the weight of {weight:.4g} N, "
-            f"found {vehicle.rotors.most_thrust:.4g} N of all rotors at max_speed",
+            f"expected more thrust than the weight of {vehicle.weight:.4g} N, "
+            f"found {vehicle.most_thrust:.4g} N of all rotors at max_speed",
             "check thrust_per_speed2, max_speed and mass",
         )

@@ -1,4 +1,4 @@
-"""The keys of a vehicle: its masses, rotors, body, landing gear and battery.
+"""The keys of a vehicle: its masses, rotors, wing, body, landing gear and battery.
 
 Lengths are from the centre of mass: x forward, y to the right, z down.
 """
@@ -8,28 +8,28 @@ from __future__ import annotations
 from stator.language.nested import Key, Listing, Struct
 from stator.language.quantity import Quantity
 from stator.language.shapes import Choice, Integer, Text
+from stator.language.wing_keys import (
+    LENGTH,
+    MAX_PROPELLERS,
+    MAX_SURFACES,
+    MAX_WHEELS,
+    POINT,
+    PROPELLER,
+    SURFACE,
+    WHEEL,
+    WING,
+    above_zero,
+    from_zero,
+)
 
 LEAST_ROTORS, MAX_ROTORS = 4, 12  # ActuatorMotors.control
 LEAST_FEET, MAX_CONTACTS = 3, 32  # the bits of a word in boards/world/world/ground.hpp
-_FARTHEST = 50.0
-
-
-def _above_zero(unit: str) -> Quantity:
-    return Quantity(unit, least=0.0, is_above=True)
-
-
-def _from_zero(unit: str) -> Quantity:
-    return Quantity(unit, least=0.0)
-
-
-_LENGTH = Quantity("m", least=-_FARTHEST, most=_FARTHEST)
-POINT = Listing(_LENGTH, least=3, most=3)
 
 INERTIA = Struct(
     {
-        "xx": Key(_above_zero("kg m^2"), "About the forward axis.", required=True),
-        "yy": Key(_above_zero("kg m^2"), "About the axis to the right.", required=True),
-        "zz": Key(_above_zero("kg m^2"), "About the axis down.", required=True),
+        "xx": Key(above_zero("kg m^2"), "About the forward axis.", required=True),
+        "yy": Key(above_zero("kg m^2"), "About the axis to the right.", required=True),
+        "zz": Key(above_zero("kg m^2"), "About the axis down.", required=True),
         "xz": Key(
             Quantity("kg m^2"),
             "The product of inertia, the integral of x z over the mass; 0 if left out. The plane "
@@ -40,9 +40,9 @@ INERTIA = Struct(
 
 ROTOR = Struct(
     {
-        "x": Key(_LENGTH, "Forward of the centre of mass.", required=True),
-        "y": Key(_LENGTH, "To the right of it.", required=True),
-        "z": Key(_LENGTH, "Below it; 0 if left out. A rotor thrusts up."),
+        "x": Key(LENGTH, "Forward of the centre of mass.", required=True),
+        "y": Key(LENGTH, "To the right of it.", required=True),
+        "z": Key(LENGTH, "Below it; 0 if left out. A rotor thrusts up."),
         "turns": Key(Choice(("ccw", "cw")), "Which way it turns, seen from above.", required=True),
         "in_wake": Key(
             Quantity("1", least=0.0, most=1.0, is_above=True),
@@ -54,19 +54,19 @@ ROTOR = Struct(
 ROTORS = Struct(
     {
         "thrust_per_speed2": Key(
-            _above_zero("N s^2"), "Thrust of a rotor over its speed squared.", required=True
+            above_zero("N s^2"), "Thrust of a rotor over its speed squared.", required=True
         ),
         "torque_per_thrust": Key(
-            _above_zero("m"), "Torque that turning the air costs, over the thrust.", required=True
+            above_zero("m"), "Torque that turning the air costs, over the thrust.", required=True
         ),
-        "max_speed": Key(_above_zero("rad/s"), "The speed at full command.", required=True),
+        "max_speed": Key(above_zero("rad/s"), "The speed at full command.", required=True),
         "rise_time": Key(
-            _above_zero("s"), "Time constant of a rotor that speeds up.", required=True
+            above_zero("s"), "Time constant of a rotor that speeds up.", required=True
         ),
         "fall_time": Key(
-            _above_zero("s"), "Time constant of a rotor that slows down.", required=True
+            above_zero("s"), "Time constant of a rotor that slows down.", required=True
         ),
-        "disc_area": Key(_above_zero("m^2"), "The area that one rotor sweeps.", required=True),
+        "disc_area": Key(above_zero("m^2"), "The area that one rotor sweeps.", required=True),
         "efficiency": Key(
             Quantity("1", least=0.0, most=1.0, is_above=True),
             "Part of the electric power that pushes air: losses of propeller, motor and "
@@ -74,16 +74,16 @@ ROTORS = Struct(
             required=True,
         ),
         "inflow_pitch": Key(
-            _above_zero("m/rad"),
+            above_zero("m/rad"),
             "A rotor that climbs at this times its speed has no thrust left.",
             required=True,
         ),
         "drag": Key(
-            _from_zero("N s^2/m"),
+            from_zero("N s^2/m"),
             "Force across the axis, over speed of the rotor and of the air; 0 if left out.",
         ),
         "rolling_moment": Key(
-            _from_zero("N s^2"),
+            from_zero("N s^2"),
             "Torque of the wind across the axis, over both speeds; 0 if left out.",
         ),
         "places": Key(
@@ -96,13 +96,15 @@ ROTORS = Struct(
 
 GROUND = Struct(
     {
-        "stiffness": Key(_above_zero("N/m"), "Of each point that touches.", required=True),
-        "damping": Key(_above_zero("N s/m"), "Of each point that touches.", required=True),
+        "stiffness": Key(above_zero("N/m"), "Of each point that touches.", required=True),
+        "damping": Key(above_zero("N s/m"), "Of each point that touches.", required=True),
         "friction": Key(Quantity("1", least=0.0, most=2.0), "Its coefficient.", required=True),
         "feet": Key(
             Listing(POINT, least=LEAST_FEET, most=MAX_CONTACTS // 2),
-            "What the vehicle stands on, each as [x, y, z].",
-            required=True,
+            "What the vehicle stands on, each as [x, y, z]; none if it has wheels.",
+        ),
+        "wheels": Key(
+            Listing(WHEEL, least=LEAST_FEET, most=MAX_WHEELS), "What the vehicle rolls on."
         ),
         "hull": Key(
             Listing(POINT, most=MAX_CONTACTS // 2),
@@ -114,25 +116,34 @@ GROUND = Struct(
 BATTERY = Struct(
     {
         "cells": Key(Integer(1, 48), "Cells in series, of lithium polymer.", required=True),
-        "capacity": Key(_above_zero("C"), "The charge of a full battery.", required=True),
-        "resistance": Key(_above_zero("ohm"), "Of all cells and the wires.", required=True),
+        "capacity": Key(above_zero("C"), "The charge of a full battery.", required=True),
+        "resistance": Key(above_zero("ohm"), "Of all cells and the wires.", required=True),
         "nominal_voltage": Key(
-            _above_zero("V"), "The voltage for which the speeds of rotors hold.", required=True
+            above_zero("V"), "The voltage for which the speeds of rotors hold.", required=True
         ),
-        "avionics_power": Key(_from_zero("W"), "What is drawn beside the motors; 0 if left out."),
+        "avionics_power": Key(from_zero("W"), "What is drawn beside the motors; 0 if left out."),
     }
 )
 
 VEHICLE = Struct(
     {
         "doc": Key(Text(), "What the vehicle is, and where its numbers are from.", required=True),
-        "mass": Key(_above_zero("kg"), "All of it, ready to fly.", required=True),
+        "mass": Key(above_zero("kg"), "All of it, ready to fly.", required=True),
         "inertia": Key(INERTIA, "About the centre of mass.", required=True),
         "drag_area": Key(
-            Listing(_from_zero("m^2"), least=3, most=3),
+            Listing(from_zero("m^2"), least=3, most=3),
             "Drag coefficient times area of the airframe, along x, y and z; 0 if left out.",
         ),
-        "rotors": Key(ROTORS, "The rotors that lift.", required=True),
+        "rotors": Key(ROTORS, "The rotors that lift; none if it flies by a wing."),
+        "wing": Key(WING, "The wing, with tail and fuselage; none if it flies by rotors."),
+        "surfaces": Key(
+            Listing(SURFACE, least=1, most=MAX_SURFACES),
+            "The control surfaces of the wing, in the order of the servos' commands.",
+        ),
+        "propellers": Key(
+            Listing(PROPELLER, least=1, most=MAX_PROPELLERS),
+            "What pulls or pushes the wing; their commands follow those of the rotors.",
+        ),
         "ground": Key(GROUND, "Where and how the vehicle touches the ground.", required=True),
         "battery": Key(BATTERY, "What feeds the motors.", required=True),
     }
