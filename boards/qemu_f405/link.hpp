@@ -34,7 +34,7 @@ struct ToPlant {
         kStep = 1,     // move the world up to time_us, and answer
         kCommand = 2,  // the motors do this from time_us on
         kFinished =
-            3,  // the firmware has ended the flight, mostly after the plant declared it over
+            3,        // the firmware has ended the flight, mostly after the plant declared it over
         kServos = 4,  // the servos do this from time_us on
     };
     Kind kind = Kind::kStep;

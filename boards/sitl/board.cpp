@@ -19,8 +19,8 @@ namespace {
 
 using drivers::can::sim::CanSim;
 using drivers::motor::sim::MotorSim;
-using drivers::servo::sim::ServoSim;
 using drivers::nonvolatile::sim::NonvolatileSim;
+using drivers::servo::sim::ServoSim;
 
 // Of one flight: our own world, or the outside one in its place.
 std::optional<world::World> the_world;

@@ -115,8 +115,8 @@ Vector3 Ground::stretch(unsigned point, const Contact& contact) const {
     return Vector3(difference.x(), difference.y(), 0.0);
 }
 
-Vector3 Ground::held(unsigned point, const Motion& motion, const Vector3& wanted_N,
-                     double normal, double stiffness) const {
+Vector3 Ground::held(unsigned point, const Motion& motion, const Vector3& wanted_N, double normal,
+                     double stiffness) const {
     const auto points = static_cast<unsigned>(parameters_.points_B.size());
     const double most = parameters_.friction * normal / stiffness;
     if (point < points) return limited(wanted_N, most);
@@ -125,8 +125,7 @@ Vector3 Ground::held(unsigned point, const Motion& motion, const Vector3& wanted
     const Vector3 along_N =
         math::normalized(Vector3(rolls_N.x(), rolls_N.y(), 0.0), Vector3(Vector3::UnitX()));
     const Vector3 across_N(-along_N.y(), along_N.x(), 0.0);
-    const double most_along =
-        (is_braked_ ? wheel.brake : wheel.rolling) * normal / stiffness;
+    const double most_along = (is_braked_ ? wheel.brake : wheel.rolling) * normal / stiffness;
     return math::clamp(wanted_N.dot(along_N), -most_along, most_along) * along_N +
            math::clamp(wanted_N.dot(across_N), -most, most) * across_N;
 }

@@ -201,7 +201,8 @@ bool read_value(std::string_view option, const char* value, Options& options) {
                  "error: unknown option '%s'\nhint: known: --log FILE, --truth FILE, --seed N, "
                  "--duration SECONDS, --times zero|random, --budgets TASK=US,..., --vary no|yes, "
                  "--wind M_S, "
-                 "--wind-from DEGREES, --gusts none|light|moderate|severe, --launch ground|catapult|hand, --fail WHAT@SECONDS, "
+                 "--wind-from DEGREES, --gusts none|light|moderate|severe, --launch "
+                 "ground|catapult|hand, --fail WHAT@SECONDS, "
                  "--pilot FILE, --vehicle FILE, --mission FILE, --origin "
                  "LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR, "
                  "--mavlink PLACE, --hil PLACE, --lockstep SOCKET\n",

@@ -33,16 +33,15 @@ PitotSample Pitot::measure(const Plant& plant, const Faults& faults) {
     if (is_trapped) total = sealed_.ram + sealed_.static_pressure;
     // An open drain lets the pressure around into the tube.
     if (faults.now(FaultKind::kPitotBlocked, now_us)) total = open.static_pressure;
-    double pressure =
-        total - (is_static_blocked ? sealed_.static_pressure : open.static_pressure);
+    double pressure = total - (is_static_blocked ? sealed_.static_pressure : open.static_pressure);
     for (const Fault& fault : faults) {
         if (fault.kind != FaultKind::kIce || !fault.acts(now_us)) continue;
         const double since = static_cast<double>(now_us - fault.from_us) * 1e-6;
         pressure *= math::square(math::max(1.0 - since / fault.value, 0.0));
     }
     const double measured = scale_ * pressure + offset_ + drift + noise;
-    return {.pressure = static_cast<float>(math::round(measured * parameters_.steps) /
-                                           parameters_.steps),
+    return {.pressure =
+                static_cast<float>(math::round(measured * parameters_.steps) / parameters_.steps),
             .temperature_degc =
                 static_cast<float>(earth_.temperature_degc(-plant.state().position_N.z()) +
                                    parameters_.warmer_by_degc)};

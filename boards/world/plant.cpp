@@ -167,8 +167,7 @@ Wrench Plant::applied_wrench(const Motion& motion, const VehicleState& state,
     const AirMotion in_air{motion.R_NB.transpose() * (motion.velocity_N - influence_.wind_N),
                            motion.rate_B};
     const double air_density = influence_.air_density;
-    Wrench sum =
-        body_drag(parameters_, in_air.velocity_B, air_density) + ground_.wrench(motion);
+    Wrench sum = body_drag(parameters_, in_air.velocity_B, air_density) + ground_.wrench(motion);
     for (unsigned i = 0; i < parameters_.rotor_count(); ++i) {
         const double efficiency = parameters_.rotors[i].in_wake * influence_.efficiency[i];
         sum = sum + rotor_wrench(parameters_, i, in_air, state.rotor_speeds[i], efficiency);

@@ -31,8 +31,8 @@ PropellerOutput turn(const Propeller& propeller, const PropellerInput& input) {
     const double advance = is_fast ? propeller.most_advance : inflow / tip;
     const double size = input.air_density * math::square(tip * propeller.diameter);
     const double thrust = input.efficiency * polynomial(propeller.thrust, advance) * size;
-    const double drag = polynomial(propeller.power, advance) * size * propeller.diameter /
-                        math::kTwoPi<double>;
+    const double drag =
+        polynomial(propeller.power, advance) * size * propeller.diameter / math::kTwoPi<double>;
     double motor = input.shaft_power / math::max(input.speed, kSlowest);
     // It brakes, but turns nothing backwards.
     if (input.speed <= 0.0) motor = math::max(motor, 0.0);

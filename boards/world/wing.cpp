@@ -7,7 +7,7 @@ namespace stator::world {
 
 namespace {
 
-constexpr double kLeastSpeed = 0.01;      // m/s; slower, the air does nothing
+constexpr double kLeastSpeed = 0.01;     // m/s; slower, the air does nothing
 constexpr double kLeastRateSpeed = 1.0;  // m/s, by which rates are counted
 
 // How the air meets the wing.
@@ -131,10 +131,9 @@ Wrench wing_wrench(const Wing& wing, const Deflections& deflections, const Vecto
     const double size = flow.pressure * wing.area;
     // Wind axes: x along the velocity, z in the plane of symmetry.
     const double along = -by.drag * flow.cos_beta - by.side * flow.sin_beta;
-    const Vector3 force_B =
-        size * Vector3(along * flow.cos_alpha + by.lift * flow.sin_alpha,
-                       by.side * flow.cos_beta - by.drag * flow.sin_beta,
-                       along * flow.sin_alpha - by.lift * flow.cos_alpha);
+    const Vector3 force_B = size * Vector3(along * flow.cos_alpha + by.lift * flow.sin_alpha,
+                                           by.side * flow.cos_beta - by.drag * flow.sin_beta,
+                                           along * flow.sin_alpha - by.lift * flow.cos_alpha);
     const Vector3 lengths(wing.span, wing.chord, wing.span);
     const Vector3 torque_B =
         size * by.moment.cwiseProduct(lengths) + wing.reference_B.cross(force_B);

@@ -23,8 +23,7 @@ VehicleState draw_start(const Conditions& conditions, const Airframe& airframe) 
         start.q_NB = math::from_euler(math::EulerAngles<double>{0.0, 0.0, yaw});
         return start;
     }
-    const double yaw =
-        math::wrap_pi(conditions.wind.from + kMostOffRunway * (2.0 * part - 1.0));
+    const double yaw = math::wrap_pi(conditions.wind.from + kMostOffRunway * (2.0 * part - 1.0));
     double pitch = airframe.rest().pitch;
     if (conditions.launch != Launch::kGround) {
         const LaunchParameters launch = parameters_of(conditions.launch);

@@ -32,7 +32,7 @@ struct Earth {
     double pressure(double height) const;
     double temperature_degc(double height) const;
     double density(double height) const;  // kg/m^3, of the same atmosphere
-    Vector3 magnetic_field_N() const;  // gauss
+    Vector3 magnetic_field_N() const;     // gauss
 };
 
 }  // namespace stator::world

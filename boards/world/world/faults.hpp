@@ -1,9 +1,9 @@
 // What goes wrong in a simulated flight, and when: --fail WHAT[=VALUE]@SECONDS[+SECONDS].
 //
 // WHAT is one of a few names, or PART.FAULT: a device of the board, `motor_1` and so on, `servo_1`
-// and so on, `motors` or `wind`, and what is wrong with it. Of a sensor, FAULT is [QUANTITY_][AXIS_]NAME, such
-// as offset, accel_offset or accel_z_offset. Stator knows which parts a graph has and what they can
-// do.
+// and so on, `motors` or `wind`, and what is wrong with it. Of a sensor, FAULT is
+// [QUANTITY_][AXIS_]NAME, such as offset, accel_offset or accel_z_offset. Stator knows which parts
+// a graph has and what they can do.
 #pragma once
 
 #include <array>

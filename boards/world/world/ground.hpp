@@ -83,7 +83,7 @@ class Ground {
 
     GroundParameters parameters_;
     double surface_z_;
-    double reach_;                                      // m, of the farthest point
+    double reach_;                                                   // m, of the farthest point
     std::array<Vector3, kMaxContactPoints + kMaxWheels> anchors_N_;  // of those in `touched_`
     std::array<Vector3, kMaxWheels> rolls_B_;  // where each wheel rolls, of unit length
     bool is_braked_ = true;

@@ -11,11 +11,11 @@ namespace stator::world {
 enum class Launch : std::uint8_t { kGround, kCatapult, kHand };
 
 struct LaunchParameters {
-    double height;            // m, above where the vehicle rests
-    double pitch;             // rad, of the vehicle
-    double climb;             // rad, of the way it goes
-    double speed;             // m/s, at which it is free
-    double acceleration;      // m/s^2
+    double height;           // m, above where the vehicle rests
+    double pitch;            // rad, of the vehicle
+    double climb;            // rad, of the way it goes
+    double speed;            // m/s, at which it is free
+    double acceleration;     // m/s^2
     std::uint64_t waits_us;  // from when a motor may turn
 };
 LaunchParameters parameters_of(Launch launch);

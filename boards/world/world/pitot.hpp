@@ -37,7 +37,7 @@ class Pitot {
   private:
     // What the air does to the two ports.
     struct Ports {
-        double ram = 0.0;          // Pa, over the static pressure around
+        double ram = 0.0;              // Pa, over the static pressure around
         double static_pressure = 0.0;  // Pa
     };
     Ports ports(const Plant& plant) const;

@@ -141,7 +141,7 @@ class Plant {
     VehicleState state_;
     Ground ground_;
     Influence influence_{};
-    RotorSpeeds commanded_speeds_ = RotorSpeeds::Zero();       // at the nominal voltage
+    RotorSpeeds commanded_speeds_ = RotorSpeeds::Zero();      // at the nominal voltage
     PropellerSpeeds shaft_powers_ = PropellerSpeeds::Zero();  // W, at the nominal voltage
     ServoControls servo_control_{};
     Deflections deflections_{};

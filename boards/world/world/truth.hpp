@@ -11,8 +11,8 @@ namespace stator::world {
 
 inline constexpr std::uint64_t kTruthPeriod_us = 10000;
 // N is north-east-down, B forward-right-down; SI units, the rest is in the name.
-// Then the speed of each rotor, rotor_1 and so on, of each propeller, propeller_1, the deflection of
-// each surface, surface_1, and the battery.
+// Then the speed of each rotor, rotor_1 and so on, of each propeller, propeller_1, the deflection
+// of each surface, surface_1, and the battery.
 inline constexpr std::array kTruthColumns{
     "time_us",    "position_n", "position_e", "position_d", "velocity_n", "velocity_e",
     "velocity_d", "q_w",        "q_x",        "q_y",        "q_z",        "rate_x",

@@ -59,9 +59,9 @@ struct StallPoint {
 };
 
 struct Wing {
-    double area = 0.0;   // m^2; 0: there is no wing
-    double span = 0.0;   // m
-    double chord = 0.0;  // m
+    double area = 0.0;                      // m^2; 0: there is no wing
+    double span = 0.0;                      // m
+    double chord = 0.0;                     // m
     Vector3 reference_B = Vector3::Zero();  // m, where the forces act
     double lift_zero = 0.0;
     double lift_alpha = 0.0;
@@ -79,8 +79,8 @@ struct Wing {
     double pitch_zero = 0.0;
     double pitch_alpha = 0.0;
     double pitch_pitch_rate = 0.0;
-    double stall_begins = 4.0;       // rad
-    double stall_blend = 1.0;        // rad
+    double stall_begins = 4.0;        // rad
+    double stall_blend = 1.0;         // rad
     std::vector<StallPoint> curve{};  // by rising alpha
     Fading roll_damping{};
     std::vector<Surface> surfaces{};  // at most kMaxSurfaces

@@ -74,7 +74,7 @@ class World {
     std::deque<Command> commands_;  // on their way
     Controls obeyed_{};             // the newest command of each motor that is not stuck
     ServoControls obeyed_servos_{};
-    double weakness_ = 1.0;         // of a supply that gives too little current
+    double weakness_ = 1.0;  // of a supply that gives too little current
     bool motors_are_stopped_ = true;
     std::uint64_t next_event_us_ = 0;
 };

@@ -55,10 +55,7 @@ def _rotors(rotors: Rotors) -> list[Row]:
         ("inflow_pitch", (rotors.inflow_pitch,)),
         ("drag", (rotors.drag,)),
         ("rolling_moment", (rotors.rolling_moment,)),
-        *(
-            ("rotor", (r.x, r.y, r.z, 1.0 if r.is_ccw else -1.0, r.in_wake))
-            for r in rotors.places
-        ),
+        *(("rotor", (r.x, r.y, r.z, 1.0 if r.is_ccw else -1.0, r.in_wake)) for r in rotors.places),
     ]
 
 

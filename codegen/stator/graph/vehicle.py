@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 GRAVITY = 9.80665
 
+
 @dataclass(frozen=True)
 class Rotor:
     x: float

@@ -227,9 +227,7 @@ def read_wheels(
     return tuple(wheels)
 
 
-def check_surfaces(
-    surfaces: tuple[Surface, ...], record: Record, report: Report
-) -> None:
+def check_surfaces(surfaces: tuple[Surface, ...], record: Record, report: Report) -> None:
     """A wing turns by its surfaces. It need not have a rudder, as it turns by banking."""
     for axis in ("roll", "pitch"):
         if any(getattr(surface, axis) != 0.0 for surface in surfaces):

@@ -165,7 +165,9 @@ PROPELLER = Struct(
             required=True,
         ),
         "most_advance": Key(
-            above_zero("1"), "The J up to which the polynomials hold; then they stay.", required=True
+            above_zero("1"),
+            "The J up to which the polynomials hold; then they stay.",
+            required=True,
         ),
         "shaft_power": Key(
             Listing(Quantity("W"), least=1, most=8),

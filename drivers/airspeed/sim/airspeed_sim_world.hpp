@@ -17,8 +17,7 @@ class AirspeedSimWorld {
 
     std::optional<AirspeedSimSample> measure(const world::World& world) {
         if (!timer_.take(world.time_us())) return {};
-        const world::PitotSample sample =
-            pitot_.measure(world.plant(), world.conditions().faults);
+        const world::PitotSample sample = pitot_.measure(world.plant(), world.conditions().faults);
         return AirspeedSimSample{.timestamp_sample = world.time_us(),
                                  .pressure = sample.pressure,
                                  .temperature_degc = sample.temperature_degc};

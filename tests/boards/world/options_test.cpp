@@ -143,7 +143,9 @@ TEST(Options, refuses_what_it_does_not_know) {
               "error: unknown option '--sed'\nhint: known: --log FILE, --truth FILE, --seed N, "
               "--duration SECONDS, --times zero|random, --budgets TASK=US,..., "
               "--vary no|yes, --wind M_S, "
-              "--wind-from DEGREES, --gusts none|light|moderate|severe, --fail WHAT@SECONDS, "
+              "--wind-from DEGREES, --gusts none|light|moderate|severe, --launch "
+              "ground|catapult|hand, --fail "
+              "WHAT@SECONDS, "
               "--pilot FILE, --vehicle FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], "
               "--speed FACTOR, --mavlink PLACE, --hil PLACE, "
               "--lockstep SOCKET\n");

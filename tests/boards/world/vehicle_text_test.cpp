@@ -31,7 +31,11 @@ TEST(VehicleText, says_which_line_is_wrong) {
                              "foot 1 2", "mass  1.0", "inertia 1 2 3 4 5 6"}) {
         EXPECT_EQ(wrong(line), kExpected + std::string(line) + "'");
     }
-    EXPECT_EQ(wrong("cells 3.0"), "expected a mass, rotors and feet, found a vehicle without");
+    EXPECT_EQ(wrong("cells 3.0"),
+              "expected a mass, rotors or a wing, and feet or wheels, found a vehicle without");
+    EXPECT_EQ(wrong("wing 1 1 1 0 0 0\nfoot 0 0 1"),
+              "expected the curve of a stalled wing, found a wing without");
+    EXPECT_EQ(wrong("shaft_power 1 2"), kExpected + std::string("shaft_power 1 2'"));
 }
 
 }  // namespace
