@@ -1,8 +1,8 @@
 """What can fail in a simulated flight of a graph: `--fail PART.FAULT[=VALUE]@S[+S]`.
 
-PART is a device of the graph, one of its motors or control surfaces, another node, or the wind. Here stand the names,
-their usual values and their ranges; the simulated world (boards/world/faults.cpp) makes them
-happen.
+PART is a device of the graph, one of its motors or control surfaces, another node, or the wind.
+Here stand the names, their usual values and their ranges; the simulated world
+(boards/world/faults.cpp) makes them happen.
 """
 
 from __future__ import annotations

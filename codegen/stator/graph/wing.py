@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -91,8 +92,9 @@ class Propeller:
     @property
     def static_thrust(self) -> float:
         """At full throttle, standing at sea level: CP rho n^3 D^5 = P, T = CT rho n^2 D^4."""
-        turns = sum(self.shaft_power) / (self.power[0] * AIR_DENSITY * self.diameter**5)
-        return self.thrust[0] * AIR_DENSITY * turns ** (2 / 3) * self.diameter**4
+        cube = sum(self.shaft_power) / (self.power[0] * AIR_DENSITY * self.diameter**5)
+        square = math.pow(cube, 2.0 / 3.0)
+        return self.thrust[0] * AIR_DENSITY * square * self.diameter**4
 
 
 @dataclass(frozen=True)
@@ -242,7 +244,7 @@ def check_surfaces(surfaces: tuple[Surface, ...], record: Record, report: Report
 
 def _check_curve(stall: Record, report: Report) -> None:
     rows = stall.value("curve")
-    for before, row in zip(rows, rows[1:], strict=False):
+    for before, row in pairwise(rows):
         if row.value("alpha") > before.value("alpha"):
             continue
         report.error(

@@ -19,8 +19,9 @@ SEA = 1.225
 
 # Vehicle, density, speed; angle of attack and elevator in degrees, CL, CD. Computed from each
 # table by a program that shares nothing with the plant. The laboratory's own JSBSim model of the
-# Ultra Stick, flown until steady, gives at 13.07 m/s 6.18 deg, 0.591, 0.0558; at 16.95 m/s 3.18 deg,
-# 0.355, 0.0458; at 19.95 m/s 1.93 deg, 0.256, 0.0444. The X8's own script gives L/D 9.5 at 1.77 deg.
+# Ultra Stick, flown until steady, gives at 13.07 m/s 6.18 deg, 0.591, 0.0558; at 16.95 m/s
+# 3.18 deg, 0.355, 0.0458; at 19.95 m/s 1.93 deg, 0.256, 0.0444. The X8's own script gives L/D 9.5
+# at 1.77 deg.
 TRIMS = {
     "ultra_stick_25e 13": (AT_100_M, 6.27, -6.49, 0.599, 0.0560),
     "ultra_stick_25e 17": (AT_100_M, 3.12, -4.11, 0.351, 0.0456),
