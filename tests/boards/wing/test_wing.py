@@ -6,13 +6,13 @@ import math
 from typing import TYPE_CHECKING
 
 import pytest
-from tests.boards.world.flight_mechanics import SERVOS, Mechanics
-from tests.boards.world.plant_bench import ask, vehicle_of, words
+from tests.boards.wing.flight_mechanics import SERVOS, Mechanics
+from tests.boards.wing.plant_bench import ask, vehicle_of, words
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from tests.boards.world.flight_mechanics import Modes
+    from tests.boards.wing.flight_mechanics import Modes
 
 AT_100_M = 1.2133  # kg/m^3
 SEA = 1.225

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from tests.boards.world.plant_bench import ask, words
+from tests.boards.wing.plant_bench import ask, words
 
 from stator.graph.vehicle import GRAVITY, Vehicle
 

@@ -24,7 +24,7 @@ def vehicle_of(name: str) -> Vehicle:
 
 @functools.cache
 def _program() -> Path:
-    return host_program("tests/boards/world/wing_bench")
+    return host_program("tests/boards/wing/wing_bench")
 
 
 def ask(vehicle: Vehicle, lines: list[str], folder: Path) -> list[list[float]]:
