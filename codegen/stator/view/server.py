@@ -83,6 +83,7 @@ class Hub:
         self.source = source
         self.viewers: set[Viewer] = set()
         self._hosts = frozenset(hosts)
+        self._jobs: set[asyncio.Task[None]] = set()
         self._topics = [channel.topic for channel in source.channels]
         self._scene = json.dumps(_scene(source)).encode()
 
@@ -196,7 +197,9 @@ class Hub:
             self._tell_wanted()
         elif op == "getParameters":
             wanted = {str(name) for name in request.get("parameterNames", [])}
-            asyncio.get_running_loop().create_task(self._parameters(viewer, request, wanted))
+            job = asyncio.create_task(self._parameters(viewer, request, wanted))
+            self._jobs.add(job)  # a task that nothing refers to may be lost
+            job.add_done_callback(self._jobs.discard)
         elif op == "setParameters":
             _complain(viewer, "parameters are read-only here; use ./stator param set")
         elif op == "subscribeConnectionGraph":

@@ -78,6 +78,8 @@ class LiveSource:
         self.wanted: frozenset[str] = frozenset()
         self._ends = threading.Event()
         self._newest: dict[str, tuple[int, int, float]] = {}  # number, time in us, rate in Hz
+        self._age_us: dict[str, int] = {}
+        self._aged_s: dict[str, float] = {}  # when the age was looked at
         self._chains = self.plan.graph.chains
 
     def parameters(self) -> dict[str, Any]:
@@ -112,6 +114,7 @@ class LiveSource:
         if len(data) < 8:
             return
         (time_us,) = struct.unpack_from("<Q", data)
+        self._look_at_age(name, time_us)
         before = self._newest.get(name)
         if before is not None and before[0] == number:
             return
@@ -121,12 +124,22 @@ class LiveSource:
         self._newest[name] = (number, time_us, rate)
         take(name, (time_us, LITTLE_ENDIAN + data))
 
+    def _look_at_age(self, name: str, time_us: int) -> None:
+        """Of the newest sample, by the vehicle's clock: most are older at the next look."""
+        now_s = time.monotonic()
+        if now_s - self._aged_s.get(name, -STATE_S) < STATE_S:
+            return
+        self._ends.wait(1.0 / MOST_REQUESTS)
+        self._aged_s[name] = now_s
+        with self._lock:
+            self._age_us[name] = max(self._link.info().time_us - time_us, 0)
+
     def _state(self) -> State:
         with self._lock:
             time_us, rows = measure(self._link, self._info, self.plan, 0.2)
         topics = {
-            name: {"rate_hz": rate, "age_s": max(time_us - at_us, 0) / 1e6}
-            for name, (_, at_us, rate) in self._newest.items()
+            name: {"rate_hz": rate, "age_s": self._age_us.get(name, 0) / 1e6}
+            for name, (_, _, rate) in self._newest.items()
         }
         return {
             "time_s": time_us / 1e6,
