@@ -24,6 +24,32 @@ constexpr double kMotorFunctions = 16.0;  // of ACTUATOR_TEST
 constexpr uint64_t kPatience_us = 200'000;
 constexpr float kNan = math::canonical_nan<float>();
 
+// What a command needs; none: everybody may, or it is not known.
+std::optional<Right> right_for(uint16_t command, const std::array<float, 4>& p) {
+    switch (command) {
+        case cmd::kPreflightRebootShutdown:
+        case cmd::kPreflightCalibration:
+        case cmd::kDoMotorTest:
+        case cmd::kActuatorTest:
+            return Right::kService;
+        case cmd::kDoFlighttermination:
+            return Right::kKill;
+        case cmd::kComponentArmDisarm:
+            return p[1] == kForce ? Right::kKill : Right::kFly;
+        case cmd::kDoSetMode:
+        case cmd::kNavTakeoff:
+        case cmd::kNavLand:
+        case cmd::kNavReturnToLaunch:
+        case cmd::kMissionStart:
+        case cmd::kDoSetMissionCurrent:
+        case cmd::kDoReposition:
+        case cmd::kDoOrbit:
+            return Right::kFly;
+        default:
+            return {};
+    }
+}
+
 VehicleCommand mode_wish(Nav mode) {
     return {.action = Action::kSetMode,
             .nav_state = static_cast<uint8_t>(mode),
@@ -72,6 +98,8 @@ void Mavlink::handle_command(const Request& request, MavlinkPorts& ports) {
     const auto& p = request.param;
     Line& line = lines_[request.link];
     const auto id = math::saturate<uint32_t>(p[0]);
+    const auto right = right_for(request.command, p);
+    if (right && !line.link.allows(*right)) return answer(request, result::kDenied);
     switch (request.command) {
         case cmd::kRequestMessage:
             if (id == mav::AvailableModes::kId) return handle_request_modes(request);

@@ -26,8 +26,7 @@ void refuse(Link& link, const mav::Address& station, std::string_view why) {
 
 }  // namespace
 
-bool Consoles::handle(Link& link, unsigned number, Role role, const mav::Frame& frame,
-                      MavlinkPorts& ports) {
+bool Consoles::handle(Link& link, unsigned number, const mav::Frame& frame, MavlinkPorts& ports) {
     if (frame.id != mav::SerialControl::kId) return false;
     const auto m = mav::decode<mav::SerialControl>(frame.payload);
     const mav::Address own = link.own();
@@ -39,8 +38,8 @@ bool Consoles::handle(Link& link, unsigned number, Role role, const mav::Frame& 
     Console* const console = find(number, frame.source, ports.now);
     if (console != nullptr && is_end) console->is_used = false;
     if (is_end) return true;
-    if (role == Role::kRadio) {
-        if (m.count != 0) refuse(link, frame.source, "no console through a radio's line\n");
+    if (link.role() == Role::kRadio || !link.allows(Right::kConsole)) {
+        if (m.count != 0) refuse(link, frame.source, "no console on this line\n");
     } else if (console == nullptr) {
         if (m.count != 0) refuse(link, frame.source, "all consoles are in use: try in 10 s\n");
     } else {

@@ -15,8 +15,7 @@ namespace stator::apps::mavlink {
 class Consoles {
   public:
     // False: not a message for a console.
-    bool handle(Link& link, unsigned number, Role role, const mav::Frame& frame,
-                MavlinkPorts& ports);
+    bool handle(Link& link, unsigned number, const mav::Frame& frame, MavlinkPorts& ports);
     // Once in each activation, behind all messages: `lines` are all lines.
     template <class Lines>
     void step(Lines& lines, MavlinkPorts& ports) {

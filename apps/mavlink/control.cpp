@@ -170,13 +170,17 @@ void Control::take_attitude(const mav::SetAttitudeTarget& target) {
     setpoint_ = wanted;
 }
 
-bool Control::handle(unsigned line, const mav::Frame& frame, mav::Address own,
+bool Control::handle(const Link& link, unsigned line, const mav::Frame& frame,
                      const Telemetry& telemetry, const MavlinkPorts& ports) {
+    const mav::Address own = link.own();
     const auto is_for_us = [own](const auto& message) {
         return (message.target_system == 0 || message.target_system == own.system) &&
                (message.target_component == 0 || message.target_component == own.component);
     };
-    const auto sends_setpoints = [&] { return companion_.takes(line, frame.source, ports.now); };
+    const bool may_steer = link.allows(Right::kSteer);
+    const auto sends_setpoints = [&] {
+        return may_steer && companion_.takes(line, frame.source, ports.now);
+    };
     switch (frame.id) {
         case mav::Heartbeat::kId: {
             const auto beat = mav::decode<mav::Heartbeat>(frame.payload);
@@ -187,7 +191,7 @@ bool Control::handle(unsigned line, const mav::Frame& frame, mav::Address own,
         }
         case mav::ManualControl::kId: {
             const auto control = mav::decode<mav::ManualControl>(frame.payload);
-            if (control.target != own.system) return true;
+            if (control.target != own.system || !may_steer) return true;
             if (pilot_.takes(line, frame.source, ports.now)) take_sticks(control, ports.now);
             return true;
         }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "link.hpp"
 #include "mavlink_ports.hpp"
 #include "stator/mavlink/frame.hpp"
 #include "telemetry.hpp"
@@ -16,7 +17,7 @@ namespace stator::apps::mavlink {
 class Control {
   public:
     // Whether it was a message for this.
-    bool handle(unsigned line, const mav::Frame& frame, mav::Address own,
+    bool handle(const Link& link, unsigned line, const mav::Frame& frame,
                 const Telemetry& telemetry, const MavlinkPorts& ports);
     // Once in each activation, behind all messages.
     void publish(MavlinkPorts& ports);

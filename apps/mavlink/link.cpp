@@ -10,7 +10,9 @@ namespace stator::apps::mavlink {
 bool Link::send(const mav::Kind& kind, std::span<const uint8_t> payload) {
     if (rehearses_) return true;
     mav::FrameBytes frame;
-    frame.put(kind, payload, sequence_++, own_);  // a frame that is dropped shows as lost
+    if (signs_) ++signed_.time;
+    // A frame that is dropped shows as lost.
+    frame.put(kind, payload, sequence_++, own_, signs_ ? &signed_ : nullptr);
     return put(frame.bytes(), kind.id == mav::Heartbeat::kId ? 0 : kForHeartbeat);
 }
 
@@ -43,16 +45,46 @@ std::size_t Link::first_frame() const {
     return mav::kHeaderBytes + at(leaving_ + 1) + mav::kCrcBytes + signature;
 }
 
-// An activation sends what the pieces of one can carry, and what the line can.
+void Link::take_radio(uint8_t free_pct) {
+    float factor = 1.0F;
+    if (free_pct < 25) {
+        factor = 0.8F;
+    } else if (free_pct < 35) {
+        factor = 0.975F;
+    } else if (free_pct > 50) {
+        factor = 1.025F;
+    }
+    share_ = math::clamp(share_ * factor, kLeastShare, 1.0F);
+    radio_silent_s_ = 0.0F;
+}
+
+// An activation sends what the pieces of one can carry, and what the line can. A radio that is
+// silent for a while may be another one, or none.
 void Link::refill(float dt) {
-    const auto rate = static_cast<float>(bytes_per_s_);
+    radio_silent_s_ += dt;
+    if (radio_silent_s_ > kRadioSilence_s) share_ = 1.0F;
+    const uint32_t most_rate = settings_.most_bytes_per_s;
+    const uint32_t bytes_per_s =
+        most_rate == 0 ? bytes_per_s_ : std::min(bytes_per_s_, most_rate);
+    const float rate = share_ * static_cast<float>(bytes_per_s);
     const float most = math::max(rate * kBurst_s, static_cast<float>(mav::kMaxFrameBytes));
     budget_ = math::min(budget_ + rate * dt, most);
     forward_budget_ = math::min(forward_budget_ + rate * dt * kForwarded, most);
     pieces_left_ = kPieces;
 }
 
+void Link::adopt(std::span<const uint8_t> fingerprint) {
+    adopted_ = SerialBytes{.length = static_cast<uint8_t>(fingerprint.size()), .adopts = true};
+    std::ranges::copy(fingerprint, adopted_->data.begin());
+}
+
 bool Link::next_piece(SerialBytes& piece) {
+    if (adopted_) {
+        piece = *adopted_;
+        adopted_.reset();
+        --pieces_left_;
+        return true;
+    }
     if (leaving_ == 0) {
         const std::size_t most = pieces_left_ * piece.data.size();
         while (leaving_ < waiting_) {

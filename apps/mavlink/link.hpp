@@ -1,6 +1,7 @@
 // One line with MAVLink on it: what comes in, what waits to go out, and what it may carry.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -13,8 +14,29 @@
 
 namespace stator::apps::mavlink {
 
-// What is at the other end.
+// What is at the other end; `role1` of mavlink.yaml.
 enum class Role : uint8_t { kGround, kOnBoard, kRadio };
+
+// What systems on a line may do; bits of `allows1` of mavlink.yaml.
+enum class Right : uint8_t {
+    kFly,
+    kSteer,
+    kPlan,
+    kTune,
+    kService,
+    kKill,
+    kConsole,
+    kForward,
+    kSign,
+    kOpen
+};
+
+// What a line is by the graph.
+struct LinkSettings {
+    Role role = Role::kGround;
+    uint32_t rights = 0;
+    uint32_t most_bytes_per_s = 0;  // 0: what the line carries
+};
 
 // Frames that wait are sent whole, in their order, at the line's rate. A frame that finds no room
 // is dropped and counted; so what can wait asks for room first: streams once the line keeps up, and
@@ -26,10 +48,28 @@ class Link {
     Link() : parser_(mav::kKnown) {}
 
     // What the line says of itself; before that nothing is sent.
-    void take_status(const SerialStatus& status) { bytes_per_s_ = status.bytes_per_s; }
+    void take_status(const SerialStatus& status) {
+        bytes_per_s_ = status.bytes_per_s;
+        signs_ = status.signs;
+    }
+    // Whether frames have signatures; then those of ours have this link and time, or a later one.
+    bool signs() const { return signs_; }
+    void set_time(uint8_t link, uint64_t time) {
+        signed_.link = link;
+        signed_.time = std::max(signed_.time, time);
+    }
+    // The key with this fingerprint counts from now on; an empty one: none does.
+    void adopt(std::span<const uint8_t> fingerprint);
     bool is_open() const { return bytes_per_s_ != 0; }
     void set_own(mav::Address own) { own_ = own; }
     mav::Address own() const { return own_; }
+    void set(const LinkSettings& settings) { settings_ = settings; }
+    Role role() const { return settings_.role; }
+    bool allows(Right right) const {
+        return (settings_.rights >> static_cast<unsigned>(right) & 1U) != 0;
+    }
+    // What a radio says of its buffer: how much of it is free, in percent.
+    void take_radio(uint8_t free_pct);
 
     // The next frame in the bytes, as of the parser.
     std::optional<mav::Frame> next(std::span<const uint8_t>& bytes, uint64_t now_us) {
@@ -60,10 +100,13 @@ class Link {
 
   private:
     static constexpr std::size_t kRoom = 1024;
-    static constexpr std::size_t kForHeartbeat = 32;  // whatever else waits
+    static constexpr std::size_t kForHeartbeat = 36;  // whatever else waits
     static constexpr std::size_t kBulkWaits = 300;
     static constexpr float kBurst_s = 0.1F;    // of bytes that an idle line may catch up on
     static constexpr float kForwarded = 0.5F;  // of the line, for frames of others
+    // Of a radio whose buffer fills: PX4's figures.
+    static constexpr float kLeastShare = 0.05F;
+    static constexpr float kRadioSilence_s = 5.0F;
 
     bool send(const mav::Kind& kind, std::span<const uint8_t> payload);
     bool put(std::span<const uint8_t> frame, std::size_t left);
@@ -73,8 +116,14 @@ class Link {
     mav::Parser parser_;
     mav::Address own_;
     bool rehearses_ = false;
+    bool signs_ = false;
+    mav::Signed signed_;
+    std::optional<SerialBytes> adopted_;  // to be sent before all else
     uint8_t sequence_ = 0;
+    LinkSettings settings_;
     uint32_t bytes_per_s_ = 0;
+    float share_ = 1.0F;  // that a radio has room for
+    float radio_silent_s_ = 0.0F;
     float budget_ = 0.0F;          // bytes
     float forward_budget_ = 0.0F;  // of frames of other lines
     std::array<uint8_t, kRoom> ring_{};

@@ -2,6 +2,7 @@
 #include "mavlink.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 #include "stator/elapsed.hpp"
 
@@ -20,11 +21,16 @@ double degrees_of(int32_t e7) {
 
 void Mavlink::configure(const MavlinkParams& params) {
     own_ = {static_cast<uint8_t>(params.system_id), kComponent};
-    const std::array<int32_t, kLinks> roles{params.role1, params.role2};
-    for (unsigned i = 0; i < kLinks; ++i) {
-        lines_[i].link.set_own(own_);
-        lines_[i].role = static_cast<Role>(roles[i]);
-        lines_[i].streams.use(lines_[i].role);
+    const auto settings = [](int32_t role, int32_t rights, int32_t rate) {
+        return LinkSettings{.role = static_cast<Role>(role),
+                            .rights = static_cast<uint32_t>(rights),
+                            .most_bytes_per_s = static_cast<uint32_t>(rate)};
+    };
+    link(0).set(settings(params.role1, params.allows1, params.rate1));
+    link(1).set(settings(params.role2, params.allows2, params.rate2));
+    for (Line& line : lines_) {
+        line.link.set_own(own_);
+        line.streams.use(line.link.role());
     }
 }
 
@@ -38,13 +44,48 @@ bool Mavlink::is_for_us(const Message& message) const {
 // Never back to where it came from.
 void Mavlink::forward(unsigned from, const mav::Frame& frame) {
     for (unsigned to = 0; to < kLinks; ++to) {
-        if (to == from || !link(to).is_open()) continue;
+        if (to == from || !link(to).is_open() || !link(from).allows(Right::kForward)) continue;
         if (router_.goes_on(frame, own_, to)) link(to).forward(frame.bytes);
     }
 }
 
+bool Mavlink::counts(unsigned number, const mav::Frame& frame, uint64_t now_us) {
+    const Link& from = link(number);
+    return !from.signs() || signing_.takes(frame, from.allows(Right::kOpen), now_us);
+}
+
+// Twice in a row is once: clients repeat it, as it has no answer. What came of it, people read.
+void Mavlink::set_up_signing(unsigned number, const mav::Frame& frame, const MavlinkPorts& ports) {
+    const auto setup = mav::decode<mav::SetupSigning>(frame.payload);
+    const bool is_ours =
+        setup.target_system == own_.system &&
+        (setup.target_component == own_.component || setup.target_component == 0);
+    if (!is_ours) return;
+    const auto tell = [&](std::string_view words) {
+        mav::Statustext text{.severity = mav::mav_severity::kWarning};
+        std::ranges::copy(words, text.text.begin());
+        link(number).send(text);
+    };
+    const bool is_disarmed =
+        ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kDisarmed;
+    if (!link(number).allows(Right::kSign)) return tell("signing: not allowed on this line");
+    if (!is_disarmed) return tell("signing: refused while armed");
+    const auto fingerprint = std::span(setup.secret_key).first(mav::kFingerprintBytes);
+    const bool is_blank = std::ranges::all_of(fingerprint, [](uint8_t b) { return b == 0; });
+    if (is_blank && setup.initial_timestamp != 0) return tell("signing: refused a blank key");
+    if (is_blank) {
+        link(number).adopt({});
+        signing_.restart({}, ports.now);
+        return tell("signing: off");
+    }
+    link(number).adopt(fingerprint);
+    signing_.restart(setup.initial_timestamp, ports.now);
+    tell("signing: on, with a new key");
+}
+
 void Mavlink::handle(unsigned number, const mav::Frame& frame, MavlinkPorts& ports) {
     if (frame.source == own_) return;  // our own, come back by another way
+    if (!counts(number, frame, ports.now)) return;
     router_.hear(number, frame.source, ports.now);
     forward(number, frame);
     if (frame.known == nullptr) return;
@@ -108,6 +149,13 @@ void Mavlink::handle(unsigned number, const mav::Frame& frame, MavlinkPorts& por
                                             .target_component = frame.source.component});
             return;
         }
+        case mav::SetupSigning::kId:
+            return set_up_signing(number, frame, ports);
+        case mav::RadioStatus::kId: {
+            if (link(number).role() != Role::kRadio) return;
+            link(number).take_radio(mav::decode<mav::RadioStatus>(frame.payload).txbuf);
+            return;
+        }
         case mav::MissionSetCurrent::kId: {
             const auto c = mav::decode<mav::MissionSetCurrent>(frame.payload);
             if (!is_for_us(c)) return;
@@ -123,10 +171,10 @@ void Mavlink::handle(unsigned number, const mav::Frame& frame, MavlinkPorts& por
                                   ports);
         }
         default:
-            if (control_.handle(number, frame, own_, telemetry_, ports)) return;
+            if (control_.handle(link(number), number, frame, telemetry_, ports)) return;
             if (plans_.handle(link(number), number, frame, ports)) return;
             if (files_.handle(link(number), number, frame, ports.now)) return;
-            if (consoles_.handle(link(number), number, lines_[number].role, frame, ports)) return;
+            if (consoles_.handle(link(number), number, frame, ports)) return;
             parameters_.handle(link(number), number, frame, ports);
             return;
     }
@@ -197,6 +245,10 @@ void Mavlink::step(MavlinkPorts& ports) {
     if (ports.line2) link(1).take_status(*ports.line2);
     if (std::ranges::none_of(lines_, [](const Line& line) { return line.link.is_open(); })) return;
     telemetry_.update(ports);
+    signing_.step(link(0).signs() || link(1).signs(), ports);
+    for (unsigned i = 0; i < kLinks; ++i) {
+        link(i).set_time(static_cast<uint8_t>(i), signing_.time(ports.now));
+    }
     for (Line& line : lines_) {
         line.link.refill(dt);
         if (telemetry_.is_status_new()) {

@@ -11,6 +11,7 @@
 #include "mission_transfer.hpp"
 #include "parameter_transfer.hpp"
 #include "router.hpp"
+#include "signing.hpp"
 #include "streams.hpp"
 #include "telemetry.hpp"
 
@@ -57,7 +58,6 @@ class Mavlink {
     struct Line {
         Link link;
         Streams streams;
-        Role role = Role::kGround;
         // Modes that a station waits for: from this number on, below the other.
         uint8_t mode_next = 0;
         uint8_t mode_end = 0;
@@ -74,6 +74,9 @@ class Mavlink {
     void tell_due(unsigned number, const MavlinkPorts& ports);
     void send_waiting(unsigned number, Output<SerialBytes>& output);
     Link& link(unsigned number) { return lines_[number].link; }
+
+    bool counts(unsigned number, const mav::Frame& frame, uint64_t now_us);
+    void set_up_signing(unsigned number, const mav::Frame& frame, const MavlinkPorts& ports);
 
     // commands.cpp
     void handle_command(const Request& request, MavlinkPorts& ports);
@@ -95,6 +98,7 @@ class Mavlink {
 
     std::array<Line, kLinks> lines_;
     Router router_;
+    Signing signing_;
     Telemetry telemetry_;
     Control control_;
     MissionTransfer plans_;

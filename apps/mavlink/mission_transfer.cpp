@@ -371,10 +371,15 @@ bool MissionTransfer::handle(Link& link, unsigned number, const mav::Frame& fram
         message = mav::decode<Message>(frame.payload);
         return is_for(message, link.own());
     };
+    const auto is_allowed = [&](uint8_t list) {
+        const bool may_plan = link.allows(Right::kPlan);
+        if (!may_plan) acknowledge(link, frame.source, list, result::kDenied);
+        return may_plan;
+    };
     switch (frame.id) {
         case mav::MissionCount::kId: {
             mav::MissionCount count;
-            if (read(count)) begin(link, number, frame.source, count, ports);
+            if (read(count) && is_allowed(count.mission_type)) begin(link, number, frame.source, count, ports);
             return true;
         }
         case mav::MissionItemInt::kId: {
@@ -406,7 +411,7 @@ bool MissionTransfer::handle(Link& link, unsigned number, const mav::Frame& fram
         }
         case mav::MissionClearAll::kId: {
             mav::MissionClearAll all;
-            if (read(all)) clear(link, number, frame.source, all.mission_type, ports);
+            if (read(all) && is_allowed(all.mission_type)) clear(link, number, frame.source, all.mission_type, ports);
             return true;
         }
         case mav::MissionAck::kId: {

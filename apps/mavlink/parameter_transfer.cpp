@@ -80,6 +80,10 @@ bool ParameterTransfer::handle(Link& link, unsigned number, const mav::Frame& fr
             }
             const bool is_float = m.param_type == mav::mav_param_type::kReal32;
             const bool is_int = m.param_type == mav::mav_param_type::kInt32;
+            if (!link.allows(Right::kTune)) {
+                refuse(link, frame.source, m.param_id, -1, error::kPermissionDenied);
+                return true;
+            }
             if (!has_any || (!is_float && !is_int)) {
                 refuse(link, frame.source, m.param_id, -1,
                        has_any ? error::kTypeMismatch : error::kDoesNotExist);

@@ -108,6 +108,7 @@ bool take_can1(uint32_t interrupts) {
 using Line = drivers::serial::usart::SerialUsart::Device;
 constexpr Line kTelem1{.base = 0x40004400, .clock_hz = stm32f4::kApb1Clock_hz, .baud = 57'600};
 constexpr Line kTelem2{.base = 0x40004800, .clock_hz = stm32f4::kApb1Clock_hz, .baud = 921'600};
+mav::SharedKey signing_key;
 constexpr uint32_t kUsart2Clock = 1U << 17;
 constexpr uint32_t kUsart3Clock = 1U << 18;
 constexpr uint8_t kUsart2Vector = 38;
@@ -123,6 +124,7 @@ void start_line(const pins::SerialPins& line) {
 void start_lines() {
     telem1 = kTelem1;
     telem2 = kTelem2;
+    telem1.key = telem2.key = &signing_key;
     stm32f4::rcc::kApb1Enable.set(kUsart2Clock | kUsart3Clock);
     start_line(pins::kTelem1);
     start_line(pins::kTelem2);

@@ -26,6 +26,7 @@
 #include "stator/recording.hpp"
 #include "stator/start_options.hpp"
 #include "world/flight_facts.hpp"
+#include "world/key_file.hpp"
 #include "world/options.hpp"
 #include "world/vehicle_text.hpp"
 #include "world_vehicle.hpp"
@@ -93,9 +94,16 @@ void connect(board::RealWorld& world) {
     };
 }
 
+mav::SharedKey signing_key;
+
 // The lines with MAVLink. False after one line that says what is wrong.
 [[nodiscard]] bool open_mavlink(const world::Options& options) {
     const std::array lines{&board::telem1, &board::telem2};
+    for (auto* const line : lines) line->use(signing_key);
+    board::nonvolatile0.key = &signing_key;
+    if (options.signing_key != nullptr && !world::read_key(options.signing_key, signing_key)) {
+        return false;
+    }
     for (unsigned i = 0; i < options.mavlink_count; ++i) {
         const std::string wrong = lines[i]->open(options.mavlink[i]);
         if (wrong.empty()) continue;

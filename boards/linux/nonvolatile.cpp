@@ -54,7 +54,7 @@ bool make_whole(int file, const struct stat& facts) {
 }  // namespace
 
 bool open_nonvolatile(const char* path) {
-    constexpr mode_t kMode = 0644;
+    constexpr mode_t kMode = 0600;  // it may have a key
     const int file = ::open(path, O_RDWR | O_CREAT | O_DSYNC | O_CLOEXEC, kMode);
     struct stat facts {};
     if (file < 0 || fstat(file, &facts) != 0) {

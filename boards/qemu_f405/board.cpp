@@ -40,6 +40,7 @@ semihosting::File from_plant;
 semihosting::File log_file;
 semihosting::File nonvolatile_file;
 semihosting::File mission_file;
+mav::SharedKey signing_key;
 uint64_t missed_samples = 0;
 
 // The register write of the motor driver.
@@ -172,9 +173,10 @@ void prepare() {
     parameter_box = &terminal0.box;
     require(nonvolatile_file.open(link::kNonvolatile, semihosting::Mode::kChange),
             "cannot open the file of the nonvolatile memory");
-    nonvolatile0 = {.read = read_nonvolatile, .write = write_nonvolatile};
+    nonvolatile0 = {.read = read_nonvolatile, .write = write_nonvolatile, .key = &signing_key};
     telem1 = {.base = 0x40004400, .clock_hz = kLineClock_hz, .baud = link::kLine_baud[0]};
     telem2 = {.base = 0x40004800, .clock_hz = kLineClock_hz, .baud = link::kLine_baud[1]};
+    telem1.key = telem2.key = &signing_key;
     if (mission_file.open(link::kMission, semihosting::Mode::kChange)) {
         mission0.read = read_mission;
         mission0.write = write_mission;

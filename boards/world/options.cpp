@@ -178,6 +178,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
     if (option == "--truth") return read_path("--truth", value, options.truth);
     if (option == "--mission") return read_path("--mission", value, options.mission);
     if (option == "--mavlink") return add_mavlink(value, options);
+    if (option == "--signing-key") return read_path("--signing-key", value, options.signing_key);
     if (option == "--lockstep") return read_path("--lockstep", value, options.lockstep);
     if (option == "--hil") return read_path("--hil", value, options.hil);
     if (option == "--speed") return read_speed(value, options.speed);
@@ -205,7 +206,7 @@ bool read_value(std::string_view option, const char* value, Options& options) {
                  "ground|catapult|hand, --fail WHAT@SECONDS, "
                  "--pilot FILE, --vehicle FILE, --mission FILE, --origin "
                  "LATITUDE,LONGITUDE[,HEIGHT], --speed FACTOR, "
-                 "--mavlink PLACE, --hil PLACE, --lockstep SOCKET\n",
+                 "--mavlink PLACE, --signing-key FILE, --hil PLACE, --lockstep SOCKET\n",
                  option.data());
     return false;
 }

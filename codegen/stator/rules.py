@@ -77,6 +77,7 @@ RULES = {
     "input-twice": "two inputs of a node read the same topic",
     "output-twice": "two outputs of a node publish the same topic",
     "param-unknown": "the app does not have this parameter",
+    "param-flag": "a parameter has no such flag",
     "param-range": "a parameter value is outside its range",
     "params-publisher": "the parameters need exactly one publisher, which is an app",
     "params-name": "the name NODE.PARAMETER is longer than the limit",

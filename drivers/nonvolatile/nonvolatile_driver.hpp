@@ -5,6 +5,7 @@
 
 #include <cstring>
 
+#include "key_keeper.hpp"
 #include "nonvolatile_ports.hpp"
 #include "record_store.hpp"
 
@@ -15,13 +16,16 @@ class NonvolatileDriver {
   public:
     explicit NonvolatileDriver(Port port) : store_(port) {}
 
-    void step(NonvolatilePorts& ports) {
+    // `key`: of the lines; null: the board has none that sign.
+    void step(NonvolatilePorts& ports, mav::SharedKey* key) {
         if (first_us_ == kNever) first_us_ = ports.now;
+        if (key != nullptr && state_ == State::kLoading) key->expect();
         if (!is_counted_) {
             count_start();
         } else if (state_ == State::kLoading) {
             load(ports);
-        } else {
+            if (key != nullptr && state_ != State::kLoading) key_.share(*key);
+        } else if (key == nullptr || !keep_key(*key)) {
             keep(ports);
         }
         report(ports);
@@ -65,9 +69,30 @@ class NonvolatileDriver {
                 return;
             }
             tries_ = 0;
-            if (result == Store::Load::kRecord) ports.stored.publish([&] { return record; });
+            if (result != Store::Load::kRecord) continue;
+            if (record.kind == StoredRecord::Kind::kSigningKey) {
+                key_.take(record);
+            } else {
+                ports.stored.publish([&] { return record; });
+            }
         }
         if (store_.is_loaded()) state_ = State::kLoaded;
+    }
+
+    // One record of it. False: there is none to keep.
+    bool keep_key(const mav::SharedKey& key) {
+        if (state_ != State::kLoaded) return false;
+        const auto record = key_.next(key);
+        if (!record) return false;
+        if (store_.keep(*record) == Store::Keep::kKept) {
+            tries_ = 0;
+            key_.go_on();
+        } else if (++tries_ == kMaxTries) {
+            tries_ = 0;
+            ++refused_;
+            key_.give_up();
+        }
+        return true;
     }
 
     void keep(NonvolatilePorts& ports) {
@@ -75,7 +100,9 @@ class NonvolatileDriver {
         if (!ports.store.next()) return;
         lost_ += ports.store.lost();
         const StoredRecord& record = *ports.store;
-        const auto result = state_ == State::kLoaded ? store_.keep(record) : Store::Keep::kFailed;
+        const bool is_possible =
+            state_ == State::kLoaded && record.kind != StoredRecord::Kind::kSigningKey;
+        const auto result = is_possible ? store_.keep(record) : Store::Keep::kFailed;
         if (result == Store::Keep::kKept) {
             grow_up();  // the next start has other records than this one
         } else {
@@ -103,6 +130,7 @@ class NonvolatileDriver {
     }
 
     Store store_;
+    KeyKeeper key_;
     State state_ = State::kLoading;
     unsigned tries_ = 0;
     uint64_t first_us_ = kNever;  // activation

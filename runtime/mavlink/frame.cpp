@@ -10,12 +10,12 @@ void copy_payload(std::span<uint8_t> message, std::span<const uint8_t> payload) 
 
 // A payload's zeros at its end do not travel, but for the first byte.
 void FrameBytes::put(const Kind& kind, std::span<const uint8_t> payload, uint8_t sequence,
-                     Address source) {
+                     Address source, const Signed* as) {
     std::size_t length = payload.size();
     while (length > 1 && payload[length - 1] == 0) --length;
     const std::array<uint8_t, kHeaderBytes> header{kStart,
                                                    static_cast<uint8_t>(length),
-                                                   0,
+                                                   as == nullptr ? uint8_t{0} : kIsSigned,
                                                    0,
                                                    sequence,
                                                    source.system,
@@ -31,6 +31,11 @@ void FrameBytes::put(const Kind& kind, std::span<const uint8_t> payload, uint8_t
     bytes_[end] = static_cast<uint8_t>(crc);
     bytes_[end + 1] = static_cast<uint8_t>(crc >> 8);
     size_ = end + kCrcBytes;
+    if (as == nullptr) return;
+    std::fill_n(bytes_.begin() + static_cast<std::ptrdiff_t>(size_), kSignatureBytes, uint8_t{0});
+    bytes_[size_++] = as->link;
+    for (unsigned i = 0; i < 6; ++i) bytes_[size_ + i] = static_cast<uint8_t>(as->time >> 8 * i);
+    size_ += kSignatureBytes - 1;
 }
 
 }  // namespace stator::mav

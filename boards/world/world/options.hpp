@@ -19,6 +19,7 @@ struct Options {
     // end of its own.
     std::array<const char*, 2> mavlink{};
     unsigned mavlink_count = 0;
+    const char* signing_key = nullptr;  // file with the key of these lines; none: no key yet
     const char* hil = nullptr;  // the other side of a link with HIL messages; none: no such link
     // Socket of a program that says when the flight goes on; none: it goes on by itself.
     const char* lockstep = nullptr;

@@ -37,6 +37,7 @@ from stator.flight.kept import keeping, kept_facts, log_of
 from stator.flight.mavlink import (
     add_lockstep_argument,
     add_mavlink_argument,
+    add_signing_argument,
     check_mavlink,
     complete_mavlink,
     mavlink_options,
@@ -71,6 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="highest speed, as a multiple of real time (default: no limit; with --mavlink 1)",
     )
     add_mavlink_argument(parser)
+    add_signing_argument(parser)
     add_lockstep_argument(parser)
     add_hil_argument(parser)
 

@@ -42,6 +42,7 @@ from stator.flight.facts import complaint_of, facts_of, keep, mission_facts
 from stator.flight.kept import default_log, keeping, kept_facts, log_of
 from stator.flight.mavlink import (
     add_mavlink_argument,
+    add_signing_argument,
     check_mavlink,
     complete_mavlink,
     mavlink_options,
@@ -128,6 +129,7 @@ def _add_device_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_nonvolatile_argument(devices, "a .records file beside the log")
     add_mavlink_argument(devices)
+    add_signing_argument(devices)
 
 
 def slow_speed_of(text: str) -> float:

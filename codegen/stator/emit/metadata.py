@@ -104,6 +104,12 @@ def _described(node: Node, param: Param) -> dict[str, Any]:
             {"value": 0, "description": "no"},
             {"value": 1, "description": "yes"},
         ]
+    if param.values:
+        entry["values"] = [{"value": value, "description": name} for name, value in param.values]
+    if param.flags:
+        entry["bitmask"] = [
+            {"index": index, "description": name} for index, name in enumerate(param.flags)
+        ]
     if param.is_fixed:
         entry["readOnly"] = True
     return entry

@@ -12,6 +12,7 @@ import tty
 from typing import TYPE_CHECKING
 
 from stator import HOME
+from stator.arguments import path
 from stator.diagnostics import UserError, shown_path
 from stator.pipeline import make_plan
 
@@ -51,6 +52,16 @@ def add_lockstep_argument(parser: argparse._ActionsContainer) -> None:
     )
 
 
+def add_signing_argument(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "--signing-key",
+        type=path,
+        metavar="FILE",
+        help="with --mavlink: the key of signatures, in place of the one that the vehicle keeps: "
+        "64 hexadecimal digits, or a phrase whose SHA-256 it is (docs/mavlink.md)",
+    )
+
+
 def place_of(text: str) -> str:
     """With the host written out."""
     udp = _UDP.fullmatch(text)
@@ -79,6 +90,8 @@ def check_mavlink(arguments: argparse.Namespace) -> None:
             raise UserError("error: --lockstep: missing --mavlink\nhint: add --mavlink udp:14550")
         if arguments.speed is not None:
             raise UserError("error: --speed: not with --lockstep\nhint: omit --speed")
+    if getattr(arguments, "signing_key", None) is not None and not places:
+        raise UserError("error: --signing-key: missing --mavlink\nhint: add --mavlink udp:14550")
     if not places:
         return
     if len(places) > MAX_LINES:
@@ -97,8 +110,10 @@ def check_mavlink(arguments: argparse.Namespace) -> None:
 def mavlink_options(arguments: argparse.Namespace) -> list[str]:
     """Options of the flight program."""
     words = [word for place in arguments.mavlink for word in ("--mavlink", place)]
-    lockstep = getattr(arguments, "lockstep", None)
-    return words + (["--lockstep", lockstep] if lockstep is not None else [])
+    for option in ("lockstep", "signing_key"):
+        value = getattr(arguments, option, None)
+        words += [] if value is None else [f"--{option.replace('_', '-')}", str(value)]
+    return words
 
 
 def tell_mavlink(arguments: argparse.Namespace) -> None:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from stator.diagnostics import Failed, Mark, Report, UserError, nearest
 from stator.emit.rows import literal
-from stator.graph.value import read_value
-from stator.language.yaml_tree import Scalar
+from stator.graph.value import as_written, read_value
 from stator.params.table import table_of
 from stator.quantities import CONVERSIONS, split
 
@@ -124,7 +123,7 @@ def _read(graph: Graph, text: str) -> Replaced:
         raise UserError(_unknown(graph, node, key, sorted(known)))
     param = graph.nodes[node].interface.params[key]
     report = Report()
-    item = Scalar(_with_unit(param, value.strip()), Mark(Path("--param"), 1, 1))
+    item = as_written(param, _with_unit(param, value.strip()), Mark(Path("--param"), 1, 1))
     read = read_value(param, item, report)
     try:
         report.stop_on_errors()

@@ -149,7 +149,6 @@ def _param(name: str, record: Record, sources: Sources) -> Param | None:
     if type_name is None or not _has_default(record, report):
         return None
     unit, doc = record.value("unit", "1"), record.value("doc", "")
-    bounds: list[Fraction | None] = [None, None]
     param = Param(
         name,
         type_name,
@@ -162,7 +161,19 @@ def _param(name: str, record: Record, sources: Sources) -> Param | None:
         in_flight=record.value("in_flight", True),
         id=record.value("id", ""),
         was=tuple(leaf.value for leaf in record.value("was", [])),
+        values=tuple((key, leaf.value) for key, leaf in items(record, "values")),
+        flags=tuple(leaf.value for leaf in record.value("flags", [])),
     )
+    for key in ("values", "flags"):
+        if key in record.keys and type_name != "int32":
+            report.error(
+                record.keys[key],
+                "wrong-type",
+                f"expected type int32 for a parameter with `{key}`, found '{type_name}'",
+                f"write `type: int32`, or remove `{key}`",
+            )
+            return None
+    bounds = _bounds_of_names(param)
     written = record.get("range")
     if written is not None:
         values = [read_value(param, item, report, in_file=True) for item in written.value]
@@ -183,6 +194,14 @@ def _param(name: str, record: Record, sources: Sources) -> Param | None:
         else read_value(param, default, report, in_file=True)
     )
     return None if value is None else replace(param, default=value)
+
+
+def _bounds_of_names(param: Param) -> list[Fraction | None]:
+    """Of a parameter whose interface writes no range."""
+    if param.flags:
+        return [Fraction(0), Fraction(2 ** len(param.flags) - 1)]
+    numbers = [Fraction(number) for _, number in param.values]
+    return [min(numbers), max(numbers)] if numbers else [None, None]
 
 
 def _has_default(record: Record, report: Report) -> bool:

@@ -81,6 +81,8 @@ class Param:
     in_flight: bool = True  # whether it can change while the vehicle is armed
     id: str = ""  # as the interface writes it; empty: it follows from the name
     was: tuple[str, ...] = ()  # former names: of the same node, or NODE.PARAMETER
+    values: tuple[tuple[str, int], ...] = ()  # that have names
+    flags: tuple[str, ...] = ()  # its bits, the lowest first
 
 
 @dataclass(frozen=True)

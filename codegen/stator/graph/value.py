@@ -6,23 +6,28 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from stator.language.quantity import factor_of
-from stator.language.shapes import quoted
+from stator.language.shapes import misshaped, quoted
+from stator.language.yaml_tree import Scalar, Sequence
 from stator.quantities import shown, split
 
 if TYPE_CHECKING:
-    from stator.diagnostics import Report
+    from stator.diagnostics import Mark, Report
     from stator.graph.model import Param, Value
-    from stator.language.yaml_tree import Scalar
 
 # A little inside the range in which a float keeps all its digits.
 _MIN_FLOAT, _MAX_FLOAT = Fraction(1, 10**37), Fraction(10**37)
 
 
 def read_value(
-    param: Param, item: Scalar, report: Report, *, in_file: bool = False
+    param: Param, item: Scalar | Sequence, report: Report, *, in_file: bool = False
 ) -> Value | None:
     """The value in the parameter's own unit. In the interface itself (`in_file`) numbers have no
     unit, because the key `unit` gives it."""
+    if isinstance(item, Sequence):
+        return _flags(param, item, report)
+    named = dict(param.values)
+    if item.text in named:
+        return named[item.text]
     if param.type == "bool":
         if item.text in ("true", "false"):
             return item.text == "true"
@@ -38,8 +43,8 @@ def read_value(
         report.error(
             item.mark,
             "wrong-type",
-            f"expected a number for '{param.name}', found {quoted(item.text)}",
-            f"write a number{'' if param.unit == '1' else f' and its unit, {param.unit}'}",
+            f"expected {_expected(param)} for '{param.name}', found {quoted(item.text)}",
+            _how_to_write(param),
         )
         return None
     number, unit = parts
@@ -54,6 +59,48 @@ def read_value(
     if not _fits_type(param, number, item, report) or not _is_in_range(param, number, item, report):
         return None
     return int(number) if param.type == "int32" else number
+
+
+def as_written(param: Param, text: str, mark: Mark) -> Scalar | Sequence:
+    """A value from a command line: of flags, names with commas or a number."""
+    if not param.flags or split(text) is not None:
+        return Scalar(text, mark)
+    names = text.removeprefix("[").removesuffix("]").split(",")
+    return Sequence([Scalar(name.strip(), mark) for name in names if name.strip()], mark)
+
+
+def _expected(param: Param) -> str:
+    if param.flags:
+        return "a list of flags"
+    return "a name or a number" if param.values else "a number"
+
+
+def _how_to_write(param: Param) -> str:
+    if param.flags:
+        return f"write a list, such as [{', '.join(param.flags[:2])}]"
+    if param.values:
+        return f"write {' or '.join(name for name, _ in param.values)}"
+    return f"write a number{'' if param.unit == '1' else f' and its unit, {param.unit}'}"
+
+
+def _flags(param: Param, names: Sequence, report: Report) -> int | None:
+    """The sum of the named bits."""
+    if not param.flags:
+        misshaped(names, f"a single value for '{param.name}'", report)
+        return None
+    value = 0
+    for item in names.items:
+        assert isinstance(item, Scalar)  # as RawOrNames has read it
+        if item.text not in param.flags:
+            report.error(
+                item.mark,
+                "param-flag",
+                f"unknown flag {quoted(item.text)} of '{param.name}'",
+                report.nearest(item.text, param.flags) or f"use {', '.join(param.flags)}",
+            )
+            return None
+        value |= 1 << param.flags.index(item.text)
+    return value
 
 
 def _fits_type(param: Param, number: Fraction, item: Scalar, report: Report) -> bool:

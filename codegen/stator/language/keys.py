@@ -14,6 +14,7 @@ from stator.language.shapes import (
     Integer,
     Name,
     Raw,
+    RawOrNames,
     Text,
     UnitText,
 )
@@ -148,7 +149,7 @@ NODE = Struct(
             "The output ports, and the topic that each one publishes.",
         ),
         "params": Key(
-            Table(Raw(), "a parameter"),
+            Table(RawOrNames(), "a parameter"),
             "Parameter values that differ from the defaults of the interface.",
         ),
     },
@@ -275,12 +276,24 @@ OUTPUT_PORT = Struct(
         "doc": _PORT_DOC,
     }
 )
+_MAX_FLAGS = 31  # of an int32 that is not negative
 PARAM = Struct(
     {
         "type": Key(Choice(("float", "int32", "bool")), "The type of the value.", required=True),
         "unit": Key(UNIT, 'The unit of the value; "1" for no unit.'),
         "range": Key(Listing(Raw(), least=2, most=2), "[lowest, highest] value."),
-        "default": Key(Raw(), "The value if the graph gives none; required without `vehicle`."),
+        "values": Key(
+            Table(Integer(-(2**31), 2**31 - 1), "a value", key_pattern=NAME_PATTERN),
+            "Names of values of an int32. A graph writes the name or the number.",
+        ),
+        "flags": Key(
+            Listing(Name("a flag"), least=1, most=_MAX_FLAGS),
+            "Names of the bits of an int32, the lowest first. A graph writes a list of names, or "
+            "the number.",
+        ),
+        "default": Key(
+            RawOrNames(), "The value if the graph gives none; required without `vehicle`."
+        ),
         "vehicle": Key(
             Name("a value of a vehicle"),
             "What of the graph's vehicle is the value if the graph gives none, such as "

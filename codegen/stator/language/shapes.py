@@ -305,3 +305,17 @@ class Raw:
 
     def schema(self) -> dict[str, Any]:
         return {"type": ["string", "number", "boolean"]}
+
+
+@dataclass(frozen=True)
+class RawOrNames:
+    """A scalar whose type another file declares, or a list of names from there."""
+
+    def read(self, tree: Tree, report: Report) -> Scalar | Sequence | None:
+        if not isinstance(tree, Sequence):
+            return Raw().read(tree, report)
+        names = [scalar(item, "a name", report) for item in tree.items]
+        return None if None in names else tree
+
+    def schema(self) -> dict[str, Any]:
+        return {"anyOf": [Raw().schema(), {"type": "array", "items": {"type": "string"}}]}

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from stator.diagnostics import Failed, Mark, Report, UserError, nearest
 from stator.graph.param_ids import full_name, id_of
-from stator.graph.value import read_value
-from stator.language.yaml_tree import Scalar
+from stator.graph.value import as_written, read_value
 from stator.quantities import split
 
 if TYPE_CHECKING:
@@ -89,7 +88,7 @@ def read_text(row: Row, text: str) -> Value:
     if row.param.type == "bool":
         text = {"1": "true", "0": "false"}.get(text, text)
     report = Report()
-    value = read_value(row.param, Scalar(text, Mark(Path(row.name), 1, 1)), report)
+    value = read_value(row.param, as_written(row.param, text, Mark(Path(row.name), 1, 1)), report)
     try:
         report.stop_on_errors()
     except Failed as failed:

@@ -18,7 +18,7 @@ bool NonvolatileFile::Port::write(uint32_t address, std::span<const uint8_t> byt
 }
 
 void NonvolatileFile::step(NonvolatilePorts& ports) {
-    driver_.step(ports);
+    driver_.step(ports, device_.key);
     device_.status = driver_.status();
 }
 

@@ -11,6 +11,7 @@ class NonvolatileFile {
   public:
     struct Device {
         int file = -1;  // the board opens it, for reading and writing, and closes it
+        mav::SharedKey* key = nullptr;  // of the lines; null: nobody asks for it
         // For the board, while the graph stands still: what the node has published.
         NonvolatileStatus status{};
     };

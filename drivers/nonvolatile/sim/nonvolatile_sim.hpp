@@ -12,6 +12,7 @@ class NonvolatileSim {
     struct Device {
         bool (*read)(uint32_t address, std::span<uint8_t> bytes) = nullptr;
         bool (*write)(uint32_t address, std::span<const uint8_t> bytes) = nullptr;
+        mav::SharedKey* key = nullptr;  // of the lines; null: nobody asks for it
     };
     struct Port {
         bool read(uint32_t address, std::span<uint8_t> bytes) const;
@@ -20,10 +21,11 @@ class NonvolatileSim {
     };
     static constexpr uint32_t kBytes = RecordStore<Port>::kBytes;
 
-    explicit NonvolatileSim(Device& device) : driver_(Port{device}) {}
-    void step(NonvolatilePorts& ports) { driver_.step(ports); }
+    explicit NonvolatileSim(Device& device) : device_(device), driver_(Port{device}) {}
+    void step(NonvolatilePorts& ports) { driver_.step(ports, device_.key); }
 
   private:
+    Device& device_;
     NonvolatileDriver<Port> driver_;
 };
 

@@ -7,6 +7,8 @@
 #include <span>
 #include <string>
 
+#include "stator/mavlink/shared_key.hpp"
+
 namespace stator::drivers::serial::socket {
 
 // Nothing waits: what cannot be done at once is not done. One thread.
@@ -20,6 +22,10 @@ class Port {
     // "udp:HOST:PORT" sends there, and to the last others that wrote to it; "tcp:PORT" listens on
     // 127.0.0.1, for one client at a time; "serial:PATH:BAUD". Empty: done. Else what is wrong.
     [[nodiscard]] std::string open(const char* place);
+
+    // The key of signatures of MAVLink frames. Without it, all bytes pass as they are.
+    void use(mav::SharedKey& key) { key_ = &key; }
+    mav::SharedKey* key() const { return key_; }
 
     bool is_open() const { return kind_ != Kind::kNone; }
     uint32_t bytes_per_s() const { return bytes_per_s_; }
@@ -43,6 +49,7 @@ class Port {
     void accept_client();
     void close_client();
 
+    mav::SharedKey* key_ = nullptr;
     Kind kind_ = Kind::kNone;
     int descriptor_ = -1;  // of UDP, of the client of TCP, of the serial line
     int listener_ = -1;    // of TCP

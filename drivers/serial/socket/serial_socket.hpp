@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "port.hpp"
 #include "serial_ports.hpp"
+#include "stator/mavlink/gate.hpp"
 
 namespace stator::drivers::serial::socket {
 
@@ -20,17 +22,23 @@ class SerialSocket {
     void step(SerialPorts& ports);
 
   private:
-    static constexpr unsigned kPieces = 2;  // of one activation: the burst of the output
+    static constexpr unsigned kPieces = 2;   // of one activation: the burst of the output
+    static constexpr unsigned kTakes = 128;  // bytes of one activation: as much as they hold
     static constexpr std::size_t kMaxDatagram = 2048;
     static constexpr uint64_t kStatusPeriod_us = 1'000'000;
 
-    void take(const SerialBytes& piece);
-    void receive(SerialPorts& ports);
-
-    Port& port_;
     static constexpr unsigned kReadsAtOnce = 64;
 
+    void take(const SerialBytes& piece);
+    void send(SerialPorts& ports);
+    void receive(SerialPorts& ports);
     void read_all();
+    std::size_t fill(std::span<uint8_t> bytes, uint64_t now_us);
+    void report(SerialPorts& ports);
+
+    Port& port_;
+    std::optional<mav::Gate> gate_;
+    unsigned taken_ = 0;  // bytes of `in_`, in this activation
     std::array<uint8_t, 2 * kMaxDatagram> in_{};
     std::size_t in_size_ = 0;
     std::size_t in_done_ = 0;

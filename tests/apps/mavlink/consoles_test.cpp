@@ -122,7 +122,7 @@ TEST_F(ConsolesTest, a_radio_has_no_console) {
     params_.role1 = static_cast<int32_t>(Role::kRadio);
     type("param list\n");
     run(0.5);
-    EXPECT_EQ(printed(), "no console through a radio's line\n");
+    EXPECT_EQ(printed(), "no console on this line\n");
     EXPECT_EQ(new_consoles_, 0U);
 }
 

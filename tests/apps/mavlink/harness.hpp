@@ -128,6 +128,10 @@ class MavlinkTest : public ::testing::Test {
     }
     void hear(Station& station, const std::vector<SerialBytes>& pieces) {
         for (const SerialBytes& piece : pieces) {
+            if (piece.adopts) {
+                adopted_[&station == &stations_[1] ? 1 : 0].push_back(piece);
+                continue;
+            }
             std::span<const uint8_t> bytes = std::span(piece.data).first(piece.length);
             station.received_bytes += bytes.size();
             while (const auto frame = station.parser.next(bytes, now_us_)) {
@@ -179,6 +183,7 @@ class MavlinkTest : public ::testing::Test {
                            .radio = has_radio_ ? Input(radio_) : Input<ManualControlSetpoint>(),
                            .printed = printed_ ? Input(*printed_) : Input<ShellText>(),
                            .notice = notice_ ? Input(*notice_) : Input<StatusText>(),
+                           .stored = stored_ ? Input(*stored_) : Input<StoredRecord>(),
                            .calibrating = Input(calibrating_),
                            .params = Input(params_, is_first_),
                            .metadata = &metadata_};
@@ -195,7 +200,11 @@ class MavlinkTest : public ::testing::Test {
         Everything<FileRequest> wanted_pieces(ports.file_request, now_us_, 1);
         Everything<ShellText> typed(ports.typed, now_us_, 5);
         Everything<CalibrationRequest> calibrations(ports.calibration, now_us_, 1);
+        Everything<StoredRecord> to_store(ports.store, now_us_, 1);
         node_.step(ports);
+        EXPECT_EQ(ports.store.refused(), 0);
+        for (const StoredRecord& record : to_store.all()) kept_.push_back(record);
+        stored_.reset();
         notice_.reset();
         EXPECT_EQ(ports.calibration.refused(), 0);
         for (const auto& sample : calibrations.all()) calibrations_.push_back(sample);
@@ -401,11 +410,14 @@ class MavlinkTest : public ::testing::Test {
     GeofenceResult fence_{};
     Mission mission_{};
     MissionResult result_{.seq_reached = -1};
-    MavlinkParams params_{};
+    MavlinkParams params_{.allows1 = 0xFF, .allows2 = 0xFF};
     GotoSetpoint goal_{};
     ManualControlSwitches switches_{};
     ManualControlSetpoint radio_{};
     bool has_radio_ = false;
+    std::array<std::vector<SerialBytes>, 2> adopted_;  // by line
+    std::optional<StoredRecord> stored_;
+    std::vector<StoredRecord> kept_;
     std::optional<VehicleCommandAck> ack_;
     bool answers_ = true;  // to commands
     VehicleCommandAck::Result result_of_commands_ = VehicleCommandAck::Result::kAccepted;

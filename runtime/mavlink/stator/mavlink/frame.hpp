@@ -54,6 +54,12 @@ inline Address target_of(const Frame& frame) {
     return {.system = byte(at), .component = has_component ? byte(at + 1) : uint8_t{0}};
 }
 
+// The end of a signed frame but for its hash, which follows from a key: see gate.hpp.
+struct Signed {
+    uint8_t link = 0;
+    uint64_t time = 0;  // 10 us since 2015; no two frames of a link have the same
+};
+
 // Room for one frame to be sent.
 class FrameBytes {
   public:
@@ -65,10 +71,12 @@ class FrameBytes {
             put(kKindOf<Message>, payload, sequence, source);
         });
     }
-    void put(const Kind& kind, std::span<const uint8_t> payload, uint8_t sequence, Address source);
+    // `as`: the frame is signed, once its hash is there.
+    void put(const Kind& kind, std::span<const uint8_t> payload, uint8_t sequence, Address source,
+             const Signed* as = nullptr);
 
   private:
-    std::array<uint8_t, kHeaderBytes + kMaxPayload + kCrcBytes> bytes_{};
+    std::array<uint8_t, kMaxFrameBytes> bytes_{};
     std::size_t size_ = 0;
 };
 

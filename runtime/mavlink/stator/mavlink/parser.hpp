@@ -37,6 +37,9 @@ class Parser {
     // none: all bytes are taken. Call it again until then. The frame is valid until the next call.
     std::optional<Frame> next(std::span<const uint8_t>& bytes, uint64_t now_us);
 
+    // The bytes of the frame that was returned last, for a change that keeps its length.
+    std::span<uint8_t> change() { return std::span(buffer_).first(done_); }
+
     const ParserCounters& counters() const { return counters_; }
 
   private:

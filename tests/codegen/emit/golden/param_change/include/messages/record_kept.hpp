@@ -12,6 +12,8 @@ struct RecordKept {
     enum class Kind : uint8_t {
         kCanNode = 1,
         kParameter = 2,
+        kSigningKey = 3,
+        kSigningTime = 4,
     };
 
     enum class Result : uint8_t {

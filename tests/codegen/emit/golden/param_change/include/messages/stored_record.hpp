@@ -13,6 +13,8 @@ struct StoredRecord {
     enum class Kind : uint8_t {
         kCanNode = 1,
         kParameter = 2,
+        kSigningKey = 3,
+        kSigningTime = 4,
     };
 
     uint64_t timestamp{};  // When it was published; set by publish. [us]
@@ -21,7 +23,8 @@ struct StoredRecord {
     Kind kind{};  // What it is about, and so whose it is.
     uint8_t length{};  // How much of data is used. [bytes]
     // What it says: of a can_node, the unique id of the part; of a parameter, its value and the
-    // CRC-32 of its type and unit.
+    // CRC-32 of its type and unit; of signing_time, a time of MAVLink that no signature has
+    // reached. A signing_key is published nowhere.
     std::array<uint8_t, 16> data{};
     uint16_t _padding0{};
 };
