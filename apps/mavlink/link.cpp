@@ -73,14 +73,12 @@ void Link::refill(float dt) {
     pieces_left_ = kPieces;
 }
 
-void Link::adopt(std::span<const uint8_t> fingerprint) {
-    adopted_ = SerialBytes{.length = static_cast<uint8_t>(fingerprint.size()), .adopts = true};
-    std::ranges::copy(fingerprint, adopted_->data.begin());
-}
-
 bool Link::next_piece(SerialBytes& piece) {
     if (adopted_) {
-        piece = *adopted_;
+        const bool is_blank = *adopted_ == mav::Fingerprint{};
+        piece.adopts = true;
+        piece.length = is_blank ? uint8_t{0} : uint8_t{mav::kFingerprintBytes};
+        std::ranges::copy(*adopted_, piece.data.begin());
         adopted_.reset();
         --pieces_left_;
         return true;

@@ -11,6 +11,7 @@
 #include "messages/serial_status.hpp"
 #include "stator/mavlink/frame.hpp"
 #include "stator/mavlink/parser.hpp"
+#include "stator/mavlink/signature.hpp"
 
 namespace stator::apps::mavlink {
 
@@ -58,8 +59,8 @@ class Link {
         signed_.link = link;
         signed_.time = std::max(signed_.time, time);
     }
-    // The key with this fingerprint counts from now on; an empty one: none does.
-    void adopt(std::span<const uint8_t> fingerprint);
+    // The key with this fingerprint counts from now on; a blank one: none does.
+    void adopt(const mav::Fingerprint& fingerprint) { adopted_ = fingerprint; }
     bool is_open() const { return bytes_per_s_ != 0; }
     void set_own(mav::Address own) { own_ = own; }
     mav::Address own() const { return own_; }
@@ -118,7 +119,7 @@ class Link {
     bool rehearses_ = false;
     bool signs_ = false;
     mav::Signed signed_;
-    std::optional<SerialBytes> adopted_;  // to be sent before all else
+    std::optional<mav::Fingerprint> adopted_;  // to be sent before all else
     uint8_t sequence_ = 0;
     LinkSettings settings_;
     uint32_t bytes_per_s_ = 0;

@@ -70,8 +70,9 @@ void Mavlink::set_up_signing(unsigned number, const mav::Frame& frame, const Mav
         ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kDisarmed;
     if (!link(number).allows(Right::kSign)) return tell("signing: not allowed on this line");
     if (!is_disarmed) return tell("signing: refused while armed");
-    const auto fingerprint = std::span(setup.secret_key).first(mav::kFingerprintBytes);
-    const bool is_blank = std::ranges::all_of(fingerprint, [](uint8_t b) { return b == 0; });
+    mav::Fingerprint fingerprint{};
+    std::copy_n(setup.secret_key.begin(), fingerprint.size(), fingerprint.begin());
+    const bool is_blank = fingerprint == mav::Fingerprint{};
     if (is_blank && setup.initial_timestamp != 0) return tell("signing: refused a blank key");
     if (is_blank) {
         link(number).adopt({});

@@ -24,9 +24,12 @@ class NonvolatileDriver {
             count_start();
         } else if (state_ == State::kLoading) {
             load(ports);
-            if (key != nullptr && state_ != State::kLoading) key_.share(*key);
         } else if (key == nullptr || !keep_key(*key)) {
             keep(ports);
+        }
+        if (key != nullptr && state_ != State::kLoading && !is_key_shared_) {
+            key_.share(*key);
+            is_key_shared_ = true;
         }
         report(ports);
     }
@@ -131,6 +134,7 @@ class NonvolatileDriver {
 
     Store store_;
     KeyKeeper key_;
+    bool is_key_shared_ = false;
     State state_ = State::kLoading;
     unsigned tries_ = 0;
     uint64_t first_us_ = kNever;  // activation

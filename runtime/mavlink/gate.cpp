@@ -13,7 +13,6 @@ constexpr std::size_t kKeyAt = 10;
 }  // namespace
 
 void Gate::follow(uint64_t now_us) {
-    if (adopted_ && shared_.write(*adopted_)) adopted_.reset();
     if (shared_.read(version_, key_)) settled_us_ = now_us + kSettles_us;
 }
 
@@ -78,7 +77,10 @@ void Gate::sign(std::span<uint8_t> piece, bool ends) {
         if (at_ == 1 || at_ == 2) take_head(at_, byte);
         const bool is_of_hash = is_signed_ && at_ + kHashBytes >= end_;
         if (is_signed_ && !is_of_hash) sha_.add({&byte, 1});
-        if (is_of_hash && at_ + kHashBytes == end_) hash_ = sha_.finish();
+        if (is_of_hash && at_ + kHashBytes == end_) {
+            const auto digest = sha_.finish();
+            std::copy_n(digest.begin(), hash_.size(), hash_.begin());
+        }
         if (is_of_hash) byte = hash_[at_ + kHashBytes - end_];
         ++at_;
         if (at_ > 2 && at_ == end_) at_ = 0;
@@ -87,12 +89,12 @@ void Gate::sign(std::span<uint8_t> piece, bool ends) {
 }
 
 void Gate::adopt(std::span<const uint8_t> fingerprint) {
-    if (fingerprint.empty()) {
-        adopted_ = SigningKey{};
-    } else if (std::ranges::equal(fingerprint, fingerprint_of(offered_))) {
-        adopted_ = SigningKey{.state = SigningKey::State::kSet, .bytes = offered_};
+    SigningKey key;
+    if (!fingerprint.empty()) {
+        if (!std::ranges::equal(fingerprint, fingerprint_of(offered_))) return;
+        key = {.state = SigningKey::State::kSet, .bytes = offered_};
     }
-    offered_ = {};
+    if (shared_.write(key)) offered_ = {};
 }
 
 }  // namespace stator::mav

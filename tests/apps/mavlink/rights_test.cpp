@@ -37,9 +37,10 @@ TEST_F(RightsTest, who_may_not_fly_changes_no_mode) {
     for (const auto command : {cmd::kComponentArmDisarm, cmd::kNavTakeoff, cmd::kNavLand,
                                cmd::kNavReturnToLaunch, cmd::kMissionStart, cmd::kDoReposition,
                                cmd::kDoOrbit, cmd::kDoSetMissionCurrent}) {
-        expect_denied(static_cast<uint16_t>(command), {1});
+        expect_denied(static_cast<uint16_t>(command), {1, 1});
     }
     expect_denied(cmd::kDoSetMode, {1, 4, 3});
+    commands_.clear();
     send(mav::SetMode{.custom_mode = 4U << 16, .target_system = 1, .base_mode = 1});
     run(0.1);
     EXPECT_TRUE(commands_.empty());

@@ -90,9 +90,8 @@ TEST(Key, an_old_one_is_not_in_the_memory_any_more) {
     Life life(bytes);
     life.run();
     const auto has = [&](uint8_t first) {
-        const auto part = std::span(key_of(first).bytes).first(16);
-        std::array<uint8_t, 16> wanted{};
-        std::ranges::copy(part, wanted.begin());
+        const SigningKey key = key_of(first);
+        const auto wanted = std::span(key.bytes).first(16);
         return !std::ranges::search(bytes.bytes, wanted).empty();
     };
     life.change(key_of(50));

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "stator/mavlink/parser.hpp"
@@ -50,7 +49,8 @@ class Gate {
     }
     // Of whole frames in a row, a piece that goes out. `ends`: the next one begins with a frame.
     void sign(std::span<uint8_t> piece, bool ends);
-    // The key with this fingerprint counts from now on; an empty one: none does.
+    // The key with this fingerprint counts from now on, on all lines; an empty one: none does. While
+    // another line does the same, it is as if this had not been called.
     void adopt(std::span<const uint8_t> fingerprint);
 
   private:
@@ -80,8 +80,7 @@ class Gate {
     uint32_t version_ = 0;
     SigningKey key_;
     uint64_t settled_us_ = kSettles_us;
-    std::optional<SigningKey> adopted_;  // until it is shared
-    SigningKeyBytes offered_{};          // the newest of SETUP_SIGNING
+    SigningKeyBytes offered_{};  // the newest of SETUP_SIGNING
     Parser parser_;
     std::span<const uint8_t> passing_;  // in the parser
     // Of the frame that goes out.
@@ -89,7 +88,7 @@ class Gate {
     std::size_t end_ = 0;
     bool is_signed_ = false;
     Sha256 sha_;
-    Sha256::Digest hash_{};
+    std::array<uint8_t, kHashBytes> hash_{};
 };
 
 }  // namespace stator::mav
