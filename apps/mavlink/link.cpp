@@ -64,8 +64,7 @@ void Link::refill(float dt) {
     radio_silent_s_ += dt;
     if (radio_silent_s_ > kRadioSilence_s) share_ = 1.0F;
     const uint32_t most_rate = settings_.most_bytes_per_s;
-    const uint32_t bytes_per_s =
-        most_rate == 0 ? bytes_per_s_ : std::min(bytes_per_s_, most_rate);
+    const uint32_t bytes_per_s = most_rate == 0 ? bytes_per_s_ : std::min(bytes_per_s_, most_rate);
     const float rate = share_ * static_cast<float>(bytes_per_s);
     const float most = math::max(rate * kBurst_s, static_cast<float>(mav::kMaxFrameBytes));
     budget_ = math::min(budget_ + rate * dt, most);

@@ -57,9 +57,8 @@ bool Mavlink::counts(unsigned number, const mav::Frame& frame, uint64_t now_us) 
 // Twice in a row is once: clients repeat it, as it has no answer. What came of it, people read.
 void Mavlink::set_up_signing(unsigned number, const mav::Frame& frame, const MavlinkPorts& ports) {
     const auto setup = mav::decode<mav::SetupSigning>(frame.payload);
-    const bool is_ours =
-        setup.target_system == own_.system &&
-        (setup.target_component == own_.component || setup.target_component == 0);
+    const bool is_ours = setup.target_system == own_.system &&
+                         (setup.target_component == own_.component || setup.target_component == 0);
     if (!is_ours) return;
     const auto tell = [&](std::string_view words) {
         mav::Statustext text{.severity = mav::mav_severity::kWarning};

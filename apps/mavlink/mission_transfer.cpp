@@ -379,7 +379,8 @@ bool MissionTransfer::handle(Link& link, unsigned number, const mav::Frame& fram
     switch (frame.id) {
         case mav::MissionCount::kId: {
             mav::MissionCount count;
-            if (read(count) && is_allowed(count.mission_type)) begin(link, number, frame.source, count, ports);
+            if (read(count) && is_allowed(count.mission_type))
+                begin(link, number, frame.source, count, ports);
             return true;
         }
         case mav::MissionItemInt::kId: {
@@ -411,7 +412,8 @@ bool MissionTransfer::handle(Link& link, unsigned number, const mav::Frame& fram
         }
         case mav::MissionClearAll::kId: {
             mav::MissionClearAll all;
-            if (read(all) && is_allowed(all.mission_type)) clear(link, number, frame.source, all.mission_type, ports);
+            if (read(all) && is_allowed(all.mission_type))
+                clear(link, number, frame.source, all.mission_type, ports);
             return true;
         }
         case mav::MissionAck::kId: {

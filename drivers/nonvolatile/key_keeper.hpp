@@ -61,8 +61,8 @@ class KeyKeeper {
         if (!head_) return {};
         const mav::SigningKey key{.state = mav::SigningKey::State::kSet, .bytes = places_[place()]};
         const auto fingerprint = mav::fingerprint_of(key.bytes);
-        const bool is_it = std::equal(fingerprint.begin(), fingerprint.end(),
-                                      head_->data.begin() + 1);
+        const bool is_it =
+            std::equal(fingerprint.begin(), fingerprint.end(), head_->data.begin() + 1);
         return is_it ? key : mav::SigningKey{.state = mav::SigningKey::State::kLost};
     }
     void begin() {

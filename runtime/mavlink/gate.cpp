@@ -32,8 +32,8 @@ bool Gate::is_good(const Frame& frame) const {
 }
 
 void Gate::keep_key_back(const Frame& frame) {
-    const auto payload = frame.payload.size() > kKeyAt ? frame.payload.subspan(kKeyAt)
-                                                       : std::span<const uint8_t>();
+    const auto payload =
+        frame.payload.size() > kKeyAt ? frame.payload.subspan(kKeyAt) : std::span<const uint8_t>();
     offered_ = {};
     std::copy_n(payload.begin(), std::min(payload.size(), offered_.size()), offered_.begin());
     Fingerprint fingerprint{};

@@ -34,9 +34,9 @@ class RightsTest : public MavlinkTest {
 
 TEST_F(RightsTest, who_may_not_fly_changes_no_mode) {
     take(Right::kFly);
-    for (const auto command : {cmd::kComponentArmDisarm, cmd::kNavTakeoff, cmd::kNavLand,
-                               cmd::kNavReturnToLaunch, cmd::kMissionStart, cmd::kDoReposition,
-                               cmd::kDoOrbit, cmd::kDoSetMissionCurrent}) {
+    for (const auto command :
+         {cmd::kComponentArmDisarm, cmd::kNavTakeoff, cmd::kNavLand, cmd::kNavReturnToLaunch,
+          cmd::kMissionStart, cmd::kDoReposition, cmd::kDoOrbit, cmd::kDoSetMissionCurrent}) {
         expect_denied(static_cast<uint16_t>(command), {1, 1});
     }
     expect_denied(cmd::kDoSetMode, {1, 4, 3});

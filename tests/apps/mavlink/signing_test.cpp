@@ -32,8 +32,7 @@ class SigningTest : public MavlinkTest {
         send_bytes(frame.bytes(), line);
     }
     // Whether a ping of this time is answered.
-    bool is_taken(uint64_t time, unsigned line = 0, mav::Address from = kGround,
-                  uint8_t link = 0) {
+    bool is_taken(uint64_t time, unsigned line = 0, mav::Address from = kGround, uint8_t link = 0) {
         forget();
         send_signed(mav::Ping{.seq = 1}, time, line, from, link);
         run(0.05);

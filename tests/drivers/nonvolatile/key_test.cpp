@@ -109,7 +109,8 @@ TEST(Key, an_old_one_is_not_in_the_memory_any_more) {
     EXPECT_EQ(next.key().state, SigningKey::State::kNone);
 }
 
-// From one key to another, to none and from none: after any byte, the key is the old or the new one.
+// From one key to another, to none and from none: after any byte, the key is the old or the new
+// one.
 TEST(Key, a_power_cut_leaves_the_old_one_or_the_new_one) {
     const SigningKey none;
     for (const auto& [from, to] : {std::pair(key_of(1), key_of(40)), std::pair(key_of(1), none),

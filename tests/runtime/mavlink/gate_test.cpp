@@ -37,7 +37,8 @@ std::string hash_of(std::string_view text) {
     return hex(sha.finish());
 }
 
-// FIPS 180-4's examples (NIST, "Examples with Intermediate Values"), and what Python's hashlib says.
+// FIPS 180-4's examples (NIST, "Examples with Intermediate Values"), and what Python's hashlib
+// says.
 TEST(Sha256, is_that_of_others) {
     EXPECT_EQ(hash_of(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
     EXPECT_EQ(hash_of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");

@@ -40,8 +40,7 @@ class Gate {
         std::size_t count = 0;
         while (count < into.size() && (!passing_.empty() || find(now_us, take))) {
             const std::size_t part = std::min(into.size() - count, passing_.size());
-            std::copy_n(passing_.begin(), part,
-                        into.begin() + static_cast<std::ptrdiff_t>(count));
+            std::copy_n(passing_.begin(), part, into.begin() + static_cast<std::ptrdiff_t>(count));
             passing_ = passing_.subspan(part);
             count += part;
         }
@@ -49,8 +48,8 @@ class Gate {
     }
     // Of whole frames in a row, a piece that goes out. `ends`: the next one begins with a frame.
     void sign(std::span<uint8_t> piece, bool ends);
-    // The key with this fingerprint counts from now on, on all lines; an empty one: none does. While
-    // another line does the same, it is as if this had not been called.
+    // The key with this fingerprint counts from now on, on all lines; an empty one: none does.
+    // While another line does the same, it is as if this had not been called.
     void adopt(std::span<const uint8_t> fingerprint);
 
   private:
