@@ -13,7 +13,9 @@ constexpr std::size_t kKeyAt = 10;
 }  // namespace
 
 void Gate::follow(uint64_t now_us) {
-    if (shared_.read(version_, key_)) settled_us_ = now_us + kSettles_us;
+    if (!shared_.read(version_, key_)) return;
+    settled_us_ = now_us + kSettles_us;
+    passing_ = {};
 }
 
 bool Gate::is_good(const Frame& frame) const {
@@ -51,8 +53,7 @@ void Gate::keep_key_back(const Frame& frame) {
     bytes[end + 1] = static_cast<uint8_t>(crc >> 8);
 }
 
-bool Gate::passes(const Frame& frame, uint64_t now_us) {
-    if (!is_open() || now_us < settled_us_) return false;
+bool Gate::passes(const Frame& frame) {
     if (signs() && frame.is_signed && !is_good(frame)) return false;
     if (frame.id == SetupSigning::kId) keep_key_back(frame);
     return true;

@@ -7,7 +7,7 @@
 #include "stator/mavlink/gate.hpp"
 
 #ifndef STATOR_FUZZ_BYTES
-#define STATOR_FUZZ_BYTES 1'000'000
+#define STATOR_FUZZ_BYTES 10'000'000
 #endif
 
 namespace stator::apps::mavlink {

@@ -236,6 +236,20 @@ TEST_F(GateTest, nothing_passes_until_the_key_is_known_and_old_bytes_are_gone) {
     EXPECT_EQ(pass(frame, kLater_us + 100'000), frame);
 }
 
+TEST_F(GateTest, half_a_frame_does_not_outlive_its_key) {
+    const Bytes frame = heartbeat(nullptr);
+    std::size_t at = 0;
+    const auto take = [&](uint8_t& byte) {
+        if (at == frame.size()) return false;
+        byte = frame[at++];
+        return true;
+    };
+    std::array<uint8_t, 8> piece{};
+    EXPECT_EQ(gate_.pass(piece, kLater_us, take), piece.size());
+    use(key());
+    EXPECT_EQ(gate_.pass(piece, kLater_us, take), 0U);
+}
+
 TEST_F(GateTest, lines_share_the_key) {
     Gate other(shared_, kKnown);
     pass(setup(key()));

@@ -19,7 +19,7 @@ namespace stator::mav {
 // - Frames that go out with the flag of signed ones and room for a signature get their hash. That
 //   of a frame which is signed already stays the same.
 //
-// For a while after the start, and after the key has changed, nothing goes in: what was read before
+// For a while after the start, and after the key has changed, the line waits: what was read before
 // is gone by then.
 class Gate {
   public:
@@ -37,6 +37,7 @@ class Gate {
     // the line; false: none.
     template <class Take>
     std::size_t pass(std::span<uint8_t> into, uint64_t now_us, Take take) {
+        if (!is_open() || now_us < settled_us_) return 0;
         std::size_t count = 0;
         while (count < into.size() && (!passing_.empty() || find(now_us, take))) {
             const std::size_t part = std::min(into.size() - count, passing_.size());
@@ -62,7 +63,7 @@ class Gate {
         std::span<const uint8_t> bytes;
         while (true) {
             if (const auto frame = parser_.next(bytes, now_us)) {
-                if (!passes(*frame, now_us)) continue;
+                if (!passes(*frame)) continue;
                 passing_ = frame->bytes;
                 return true;
             }
@@ -70,7 +71,7 @@ class Gate {
             bytes = {&byte, 1};
         }
     }
-    bool passes(const Frame& frame, uint64_t now_us);
+    bool passes(const Frame& frame);
     bool is_good(const Frame& frame) const;
     void keep_key_back(const Frame& frame);
     void take_head(std::size_t at, uint8_t byte);
