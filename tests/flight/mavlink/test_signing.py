@@ -80,6 +80,8 @@ def test_a_key_comes_by_the_trusted_line_and_is_in_no_log(tmp_path: Path) -> Non
         ground.wait_until_armable()
         ground.take_off()
         assert offer(companion, OTHER_KEY) == "signing: refused while armed"
+        ground.accept(mavlink.MAV_CMD_NAV_LAND)
+        ground.wait_armed(False)
         assert ground.link.mav.signing.goodsig_count > 50
         assert ground.link.mav.signing.badsig_count == 0
     assert facts["success"], facts["reason"]
