@@ -5,24 +5,25 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 #include "logger_ports.hpp"
 
 namespace stator::apps::logger {
 
 // Collects log messages into blocks and publishes each block when it is full; what is left is
-// published when time has come to flush it. An activation publishes at most `kMaxBlocks`, the
-// `burst` of its interface; what is left of the definitions or samples waits for the next one.
+// published when time has come to flush it. The table says how many blocks an activation publishes
+// at most: somewhat more than the log takes. What is left of the definitions or samples waits for
+// the next one. A recording never waits for definitions, as its rings are small.
 class Logger {
   public:
     void step(LoggerPorts& ports);
 
   private:
     static constexpr size_t kBlockBytes = sizeof(LogBlock::data);
-    static constexpr unsigned kMaxBlocks = 8;
     static constexpr uint64_t kFlushInterval_us = 100'000;
 
-    bool has_room() const { return published_ + 1 < kMaxBlocks; }
+    bool has_room() const { return published_ < blocks_at_once_; }
     bool write_definitions(LoggerPorts& ports);
     void write_definition(LoggerPorts& ports, uint32_t index);
     void write_header(LoggerPorts& ports);
@@ -32,9 +33,9 @@ class Logger {
     void write_replaced(LoggerPorts& ports, uint32_t index);
     void write_value(LoggerPorts& ports, const LogParameter& parameter);
     void write_changes(LoggerPorts& ports, const LogChanges& changes);
-    void write_changes_of(LoggerPorts& ports, const LogChanges& changes, uint32_t topic,
+    bool write_changes_of(LoggerPorts& ports, const LogChanges& changes, uint32_t topic,
                           const void* sample);
-    void write_info(LoggerPorts& ports, const char* key, const char* text);
+    void write_info(LoggerPorts& ports, std::string_view key, std::string_view text);
     void write_events(LoggerPorts& ports);
     void write_samples(LoggerPorts& ports);
     void write_sample(LoggerPorts& ports, const LogTopic& row, uint16_t id,
@@ -43,7 +44,8 @@ class Logger {
 
     // recording.cpp
     enum class Kind : uint8_t { kStream = 0x00, kDefinition = 0x10, kGap = 0x20, kCheck = 0x30 };
-    void write_recording(LoggerPorts& ports, const RecordingTable& table);
+    void write_streams(LoggerPorts& ports, const RecordingTable& table);
+    void write_recorded_definitions(LoggerPorts& ports, const RecordingTable& table);
     void write_stream(LoggerPorts& ports, RecordStream& stream, unsigned level);
     void write_gap(LoggerPorts& ports, uint32_t lost, unsigned level);
     void write_check(LoggerPorts& ports);
@@ -52,12 +54,15 @@ class Logger {
 
     void begin(LoggerPorts& ports, char type, size_t bytes);
     void write(LoggerPorts& ports, const void* bytes, size_t count);
-    void write_text(LoggerPorts& ports, const char* text);
+    void write_text(LoggerPorts& ports, std::string_view text);
+    void write_tail(LoggerPorts& ports);
     void flush(LoggerPorts& ports);
 
-    uint32_t defined_ = 0;  // definitions written
+    uint32_t defined_ = 0;   // definitions written
+    std::string_view tail_;  // of the newest definition, which may be longer than a block
     uint32_t events_read_ = 0;
     unsigned published_ = 0;  // blocks of this activation
+    unsigned blocks_at_once_ = 0;
     size_t used_ = 0;
     uint64_t flushed_us_ = 0;
     uint32_t lost_ = 0;
@@ -68,7 +73,7 @@ class Logger {
     std::array<uint32_t, kMaxStreams> gaps_{};
     uint32_t crc_ = 0;
     size_t checked_ = 0;
-    std::byte block_[kBlockBytes]{};
+    LogBlock block_{};
 };
 
 }  // namespace stator::apps::logger

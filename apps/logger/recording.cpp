@@ -16,20 +16,22 @@ constexpr size_t kMinChunk = 32;  // less of a stream is not worth a message at 
 
 }  // namespace
 
-// What finds no room in this activation's blocks waits for the next one.
-void Logger::write_recording(LoggerPorts& ports, const RecordingTable& table) {
+void Logger::write_recorded_definitions(LoggerPorts& ports, const RecordingTable& table) {
     for (; recorded_ < table.definition_count && has_room(); ++recorded_) {
-        const char* text = table.definitions[recorded_];
-        const size_t bytes = std::strlen(text);
-        begin_recorded(ports, Kind::kDefinition, 0, bytes);
-        write(ports, text, bytes);
+        tail_ = table.definitions[recorded_];
+        begin_recorded(ports, Kind::kDefinition, 0, tail_.size());
+        write_tail(ports);
     }
+}
+
+// What finds no room in this activation's blocks waits for the next one.
+void Logger::write_streams(LoggerPorts& ports, const RecordingTable& table) {
+    if (!tail_.empty()) return;
     for (unsigned level = 0; level < table.stream_count; ++level) {
         RecordStream& stream = *table.streams[level];
         write_stream(ports, stream, level);
         write_gap(ports, stream.lost(), level);
     }
-    if (has_room()) write_check(ports);
 }
 
 void Logger::write_stream(LoggerPorts& ports, RecordStream& stream, unsigned level) {
@@ -67,7 +69,7 @@ void Logger::begin_recorded(LoggerPorts& ports, Kind kind, unsigned level, size_
 }
 
 void Logger::check_block() {
-    crc_ = crc32(crc_, block_ + checked_, used_ - checked_);
+    crc_ = crc32(crc_, block_.data.data() + checked_, used_ - checked_);
     checked_ = used_;
 }
 

@@ -63,6 +63,8 @@ def depth(plan: Plan, topic: TopicPlan) -> int:
     that outranks its publisher does not run inside the publication."""
     if topic.owner or plan.graph.topics[topic.name].config.depth is not None:
         return topic.depth
+    if any(plan.graph.nodes[name].interface.reads_log for name in topic.publishers):
+        return DEPTHS[-1]  # a busy machine may keep the storage waiting, and has the memory
     bursts = [
         output.port.burst
         for name in topic.publishers

@@ -12,15 +12,14 @@ from stator.emit import rows as emit_rows
 from stator.graph.model import TYPES
 from stator.names import upper_camel
 from stator.plan.log_rate import (
-    MAX_SHARE,
     SECOND_US,
-    at_once_bytes,
     block_bytes,
     blocks_at_once,
     faster,
     logged_bytes,
     logger_of,
     longest_period_us,
+    most_blocks,
     too_slow,
 )
 from stator.plan.rates import Rates
@@ -31,16 +30,15 @@ if TYPE_CHECKING:
 
 VERSION = 2  # of the format; 1 had CRC-32 of samples, and does not say so
 START_LEVEL = 0  # of publications before the first task runs
-# A stream holds the records of its level for this time, or for this number of logger periods.
-HELD_US = 50_000
+# A stream holds the records of its level for this number of logger periods. Where levels are threads,
+# a busy machine may keep the logger waiting for longer, and has the memory.
 HELD_PERIODS = 4
+HELD_BY_THREADS_US = 500_000
 MIN_STREAM = 256
 # Bytes of the parts of a record; rare records are larger.
 HEAD_BYTES = 8  # task, end, what fired, time since the previous record
 TAKE_BYTES = 2  # tag and number
 HASH_BYTES = 4
-# Of the definitions of a topic and of a parameter in the log, without their texts.
-DEFINITION_BYTES = 16
 
 
 @dataclass(frozen=True)
@@ -205,6 +203,7 @@ class RecordingRow:
     streams: list[StreamRow]
     levels: list[str]
     definitions: list[str]
+    blocks_at_once: int
 
 
 def task_rows(plan: Plan) -> dict[str, TaskRecording]:
@@ -259,6 +258,7 @@ def recording_row(plan: Plan, file: str) -> RecordingRow:
         streams=[StreamRow(f"level_{level}", size) for level, size in sorted(sizes.items())],
         levels=[f"level_{level}" if level in sizes else "none" for level in range(max(sizes) + 1)],
         definitions=definitions(plan, file),
+        blocks_at_once=blocks_with_recording(plan),
     )
 
 
@@ -270,13 +270,11 @@ def stream_bytes(plan: Plan) -> dict[int, int]:
     rates, usual = Rates(plan.graph), Rates(plan.graph, usual=True)
     logger = logger_of(plan.graph)
     assert logger is not None
-    bytes_per_us = Fraction(bytes_per_second(plan, usual=True), SECOND_US)
     period = rates.node(logger.name) or Fraction(0)
-    # Records wait while the definitions are written, and until the logger has caught up.
-    at_once = at_once_bytes(plan.graph, plan.topics)
-    share = min(bytes_per_us * period / at_once, MAX_SHARE)
-    start_us = (2 + _definition_bytes(plan) // at_once) * period / (1 - share)
-    held_us = max(Fraction(HELD_US), HELD_PERIODS * period, start_us)
+    held_us = HELD_PERIODS * period
+    if plan.board.executor == "pthread":
+        held_us = max(held_us, Fraction(HELD_BY_THREADS_US))
+    bytes_per_us = Fraction(bytes_per_second(plan, usual=True), SECOND_US)
     blocks_per_us = bytes_per_us / block_bytes(plan.graph, plan.topics)
     sizes: dict[int, Fraction] = {}
     for task in recorded_tasks(plan):
@@ -286,7 +284,7 @@ def stream_bytes(plan: Plan) -> dict[int, int]:
             0
         )  # activations by blocks of the log, in which nothing seldom is published
         if _is_woken_by(logger, task):
-            blocks = blocks_at_once(plan.graph) + held_us * blocks_per_us
+            blocks = most_blocks(plan.graph) + held_us * blocks_per_us
             activations += held_us * (
                 1 / _period_us(rates, task.name) - 1 / period if period else 0
             )
@@ -307,6 +305,11 @@ def bytes_per_second(plan: Plan, *, usual: bool = False) -> int:
         if task.kind != "parameters"
     )
     return round(recorded * SECOND_US + logged_bytes(plan.topics, rates if usual else None))
+
+
+def blocks_with_recording(plan: Plan) -> int:
+    """That an activation of the logger publishes at most."""
+    return blocks_at_once(plan.graph, plan.topics, Fraction(bytes_per_second(plan)))
 
 
 def check_recording_rate(plan: Plan) -> None:
@@ -340,15 +343,6 @@ def _period_us(rates: Rates, node: str) -> Fraction:
 def _is_woken_by(logger: Node, task: Recorded) -> bool:
     blocks = {output.topic for output in logger.outputs.values()}
     return any(port.kind == "trigger" and port.topic in blocks for port in task.inputs)
-
-
-def _definition_bytes(plan: Plan) -> int:
-    """What a log with a recording begins with."""
-    topics = [topic for topic in plan.topics.values() if topic.log_us is not None]
-    texts = [len(layout(topic.message)) + 2 * len(topic.name) for topic in topics]
-    texts += [len(f"{n.name}.{key}") for n in plan.graph.nodes.values() for key in n.params]
-    texts += [len(line) for line in definitions(plan, str(plan.graph.file))]
-    return sum(text + DEFINITION_BYTES for text in texts)
 
 
 def _record_bytes(plan: Plan, task: Recorded, rates: Rates) -> Fraction:

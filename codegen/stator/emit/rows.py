@@ -13,6 +13,7 @@ from stator.graph.checks.parts import MODE_TOPIC
 from stator.graph.failsafe import GO_ON
 from stator.graph.model import TYPES, Failsafe, Field, Interface, Message, Value
 from stator.names import upper_camel
+from stator.plan.log_rate import blocks_at_once
 from stator.plan.rates import Rates
 
 if TYPE_CHECKING:
@@ -278,14 +279,14 @@ class LogTopicRow:
 class LogParameterRow:
     name: str
     is_float: str
-    float: str
-    int32: str
+    value: str  # four bytes
 
 
 @dataclass(frozen=True)
 class LogRow:
     topics: list[LogTopicRow]
     parameters: list[LogParameterRow]
+    blocks_at_once: int
 
 
 def literal(value: Value) -> str:
@@ -329,6 +330,7 @@ def log(plan: Plan) -> LogRow | None:
         parameters=[
             _log_parameter(node, key) for node in plan.graph.nodes.values() for key in node.params
         ],
+        blocks_at_once=blocks_at_once(plan.graph, plan.topics),
     )
 
 
@@ -386,8 +388,7 @@ def _log_parameter(node: Node, key: str) -> LogParameterRow:
     return LogParameterRow(
         name=f"{node.name}.{key}",
         is_float="true" if is_float else "false",
-        float=literal(value) if is_float else "0.0F",
-        int32="0" if is_float else str(int(value)),
+        value=literal(value) if is_float else str(int(value)),
     )
 
 

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING
 
 from stator.emit import devices
 from stator.emit.readers import is_gated, is_outranked, is_woken
+from stator.emit.recording import blocks_with_recording
 from stator.emit.rows import pend
+from stator.plan.log_rate import blocks_at_once
 from stator.plan.plan import owns_its_vector
 
 if TYPE_CHECKING:
@@ -38,7 +40,7 @@ class OutputRow:
     name: str
     topic: str
     keep: str
-    burst: int
+    burst: str
 
 
 @dataclass(frozen=True)
@@ -198,7 +200,7 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
                 name=key,
                 topic=o.topic,
                 keep="true" if node.name in plan.topics[o.topic].kept_by else "false",
-                burst=o.port.burst,
+                burst=_burst(plan, node, o.port.burst),
             )
             for key, o in node.outputs.items()
         ],
@@ -285,3 +287,10 @@ def _params(plan: Plan, planned: Task) -> InputRow:
     tail = "" if is_outranked(plan, planned, topic) else ", kNoAgeLimit, false"
     take = f"take_latest(topics::{topic}, state.params_number, ports.now{tail})"
     return InputRow("params", topic, "latest", f"ports.params.{take};")
+
+
+def _burst(plan: Plan, node: Node, burst: int) -> str:
+    """Publications of one activation; of the logger as many as its log needs."""
+    if not node.interface.reads_log:
+        return str(burst)
+    return f"kRecords ? {blocks_with_recording(plan)} : {blocks_at_once(plan.graph, plan.topics)}"

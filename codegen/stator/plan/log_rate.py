@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
+
+from stator.plan.rates import Rates
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from stator.diagnostics import Report
     from stator.graph.model import Graph, Node
-    from stator.plan.rates import Rates
     from stator.plan.topics import TopicPlan
 
 LOGGED_BYTES = 5  # of a logged sample, without its data: size, type, topic
 CHECK_BYTES = 12  # of a recording, in each block: a check of what stands before it
 SECOND_US = 1_000_000
-# Of what the logger can write. With the rest it catches up after the definitions, with which a log
-# begins and during which samples and records wait.
+# Of what the logger can write. With the rest it writes the definitions, with which a log begins and
+# during which samples wait, and catches up.
 MAX_SHARE = Fraction(3, 4)
 # Of the period in a hint. Below its shortest one, the graph has to log less.
 STEP_US = 1000
@@ -40,16 +42,31 @@ def block_bytes(graph: Graph, topics: Mapping[str, TopicPlan]) -> Fraction:
     return _data_bytes(graph) - wasted - CHECK_BYTES
 
 
-def blocks_at_once(graph: Graph) -> int:
-    """That one activation of the logger fills. It publishes one more only to end its turn."""
+def most_blocks(graph: Graph) -> int:
+    """That an activation of any logger publishes: the `burst` of its interface."""
     logger = logger_of(graph)
     assert logger is not None
-    return max(output.port.burst for output in logger.outputs.values()) - 1
+    return max(output.port.burst for output in logger.outputs.values())
+
+
+def blocks_at_once(
+    graph: Graph, topics: Mapping[str, TopicPlan], bytes_per_s: Fraction | None = None
+) -> int:
+    """That an activation of this graph's logger publishes at most, so that none takes longer than
+    its log needs. `bytes_per_s`: with a recording."""
+    logger = logger_of(graph)
+    assert logger is not None
+    period = Rates(graph).node(logger.name)
+    if period is None:
+        return most_blocks(graph)
+    wanted = logged_bytes(topics) if bytes_per_s is None else bytes_per_s
+    needed = wanted * period / SECOND_US / (MAX_SHARE * block_bytes(graph, topics))
+    return min(max(math.ceil(needed), 1), most_blocks(graph))
 
 
 def at_once_bytes(graph: Graph, topics: Mapping[str, TopicPlan]) -> Fraction:
-    """What one activation of the logger writes at most."""
-    return blocks_at_once(graph) * block_bytes(graph, topics)
+    """What one activation of any logger writes at most."""
+    return most_blocks(graph) * block_bytes(graph, topics)
 
 
 def longest_period_us(

@@ -10,7 +10,6 @@ from stator.prove.system import burst_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from stator.graph.model import Graph
     from stator.plan.plan import Plan
     from stator.plan.topics import TopicPlan
     from stator.prove.streams import Stream
@@ -57,10 +56,10 @@ def _readers(plan: Plan, topic: TopicPlan, solution: Solution) -> Iterator[Queue
                 needed = min(needed, 1)
             yield QueueBound(topic.name, name, topic.depth, needed)
         elif way == "queue":
-            yield QueueBound(topic.name, name, topic.depth, _read(graph, topic, solution, name))
+            yield QueueBound(topic.name, name, topic.depth, _read(plan, topic, solution, name))
     for name in running & graph.nodes.keys():
         if graph.nodes[name].interface.reads_log and topic.log_us == 0:
-            yield QueueBound(topic.name, name, topic.depth, _read(graph, topic, solution, name))
+            yield QueueBound(topic.name, name, topic.depth, _read(plan, topic, solution, name))
 
 
 def _woken(solution: Solution, topic: str, name: str) -> int | None:
@@ -72,10 +71,10 @@ def _woken(solution: Solution, topic: str, name: str) -> int | None:
     return sum(stream.most(response.from_arrival) for stream in streams)
 
 
-def _read(graph: Graph, topic: TopicPlan, solution: Solution, name: str) -> int | None:
+def _read(plan: Plan, topic: TopicPlan, solution: Solution, name: str) -> int | None:
     """Each activation takes all."""
     response = solution.responses.get(name)
-    published = list(_published(graph, topic, solution))
+    published = list(_published(plan, topic, solution))
     if response is None or None in published:
         return None
     gap = min(wake.gap for wake in solution.wakes[name])
@@ -83,7 +82,7 @@ def _read(graph: Graph, topic: TopicPlan, solution: Solution, name: str) -> int 
     return sum(stream.most(gap + response.from_arrival) for stream in streams)
 
 
-def _published(graph: Graph, topic: TopicPlan, solution: Solution) -> Iterator[Stream | None]:
+def _published(plan: Plan, topic: TopicPlan, solution: Solution) -> Iterator[Stream | None]:
     running = {job.name for job in solution.jobs}
     for name in topic.publishers:
         if name not in running:
@@ -93,5 +92,5 @@ def _published(graph: Graph, topic: TopicPlan, solution: Solution) -> Iterator[S
             yield None
             continue
         for wake in solution.wakes[name]:
-            stream = wake.stream.times(burst_of(graph, name, topic.name))
+            stream = wake.stream.times(burst_of(plan, name, topic.name))
             yield stream.late(response.late(wake.stream))

@@ -16,6 +16,7 @@ from collections import defaultdict
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from stator.plan.log_rate import blocks_at_once
 from stator.plan.plan import owns_its_vector, vector_of
 from stator.plan.rates import Rates, publishers_first
 from stator.prove.response import LONGEST, Job, Processor, Response, Share
@@ -24,7 +25,7 @@ from stator.prove.streams import ONCE, Stream, thinned
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
-    from stator.graph.model import Costs, Graph, Node, Trigger
+    from stator.graph.model import Costs, Node, Trigger
     from stator.plan.plan import Plan
 
 US = 1000  # ns
@@ -356,7 +357,7 @@ class System:
     ) -> list[Wake]:
         found = []
         for publisher in self._publishers(trigger):
-            burst = burst_of(self._plan.graph, publisher, trigger.name)
+            burst = burst_of(self._plan, publisher, trigger.name)
             response = done.get(publisher)
             for wake in seen[publisher] if response is None else own[publisher]:
                 stream = wake.stream.times(burst)
@@ -407,9 +408,12 @@ class System:
         return found.min_interarrival_us * US
 
 
-def burst_of(graph: Graph, name: str, topic: str) -> int:
-    """The most publications of one activation."""
-    outputs = graph.nodes[name].outputs.values()
+def burst_of(plan: Plan, name: str, topic: str) -> int:
+    """The most publications of one activation, without a recording."""
+    node = plan.graph.nodes[name]
+    outputs = node.outputs.values()
+    if node.interface.reads_log:
+        return blocks_at_once(plan.graph, plan.topics)
     return max(output.port.burst for output in outputs if output.topic == topic)
 
 

@@ -2,7 +2,9 @@
 // samples of every type alike, it sees them as bytes.
 #pragma once
 
+#include <bit>
 #include <cstdint>
+#include <string_view>
 
 #include "stator/events.hpp"
 #include "stator/parameters.hpp"
@@ -20,8 +22,8 @@ struct LogCursor {
 };
 
 struct LogTopic {
-    const char* name;
-    const char* format;  // fields as ULog spells them
+    std::string_view name;
+    std::string_view format;  // fields as ULog spells them
     const Topic* topic;
     LogCursor* cursor;
     const FloatRun* floats;
@@ -31,16 +33,15 @@ struct LogTopic {
 };
 
 struct LogParameter {
-    const char* name;  // NODE.PARAMETER
-    bool is_float;     // else int32
-    float float_value;
-    int32_t int32_value;
+    std::string_view name;  // NODE.PARAMETER
+    bool is_float;          // else int32
+    ParameterBits value;
 };
 
 // What the log says of parameters that can change.
 struct LogChanges {
     const ParameterTable* table;
-    ParameterBits* logged;  // by row
+    ParameterBits* logged;  // by row: how the newest logged value differs from the graph's
     uint32_t* seen;         // by topic: the number of the sample; 0 before the first
 };
 
@@ -49,6 +50,7 @@ struct LogTable {
     uint32_t topic_count;
     const LogParameter* parameters;
     uint32_t parameter_count;
+    uint32_t blocks_at_once;              // at most, of one activation without a recording
     const StartValues* start = nullptr;   // the same parameters, where an option may replace them
     const LogChanges* changes = nullptr;  // none where parameters are fixed
     const LogEvents* events;
@@ -71,10 +73,16 @@ inline uint32_t lost_samples(const LogTable& table) {
     return lost;
 }
 
-// Takes the next sample to log at `now_us`; false if there is none. Release with `release`.
+// Takes the next sample to log at `now_us`; false if there is none. Release with `release`. Samples
+// that passed before the first one that is taken are not lost: the log begins after them.
 inline bool take_logged(const LogTopic& row, uint64_t now_us, Pin& pin) {
     LogCursor& cursor = *row.cursor;
-    if (row.interval_us == 0) return take_next(*row.topic, cursor.number, cursor.lost, pin);
+    if (row.interval_us == 0) {
+        const bool is_first = cursor.number == 0;
+        if (!take_next(*row.topic, cursor.number, cursor.lost, pin)) return false;
+        if (is_first) cursor.lost = 0;
+        return true;
+    }
     if (now_us < cursor.due_us || !has_unread(*row.topic, cursor.number)) return false;
     if (!take_latest(*row.topic, cursor.number, pin)) return false;
     cursor.number = number_of(*row.topic, pin);

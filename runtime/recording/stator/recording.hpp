@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string_view>
 
 #include "stator/canonical.hpp"
 
@@ -200,8 +201,9 @@ inline constexpr unsigned kMaxStreams = 16;
 struct RecordingTable {
     RecordStream* const* streams;  // by level; 0: what was published before anything ran
     uint32_t stream_count;
-    const char* const* definitions;  // lines that say what tasks and topics the numbers mean
+    const std::string_view* definitions;  // lines that say what tasks and topics the numbers mean
     uint32_t definition_count;
+    uint32_t blocks_at_once;  // at most, of one activation of the logger
 };
 
 struct RecordingCounts {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from fractions import Fraction
@@ -12,12 +13,14 @@ import pytest
 from stator import HOME
 from stator.diagnostics import UserError
 from stator.emit.recording import (
+    blocks_with_recording,
     bytes_per_second,
     check_recording_rate,
     storage_bytes_per_second,
     stream_bytes,
 )
 from stator.pipeline import make_plan
+from stator.plan.log_rate import blocks_at_once
 from stator.plan.plan import Plan
 from stator.plan.rates import Rates
 
@@ -62,19 +65,40 @@ def test_a_recording_that_the_logger_cannot_write_is_refused_with_a_period_that_
     check_recording_rate(planned(tmp_path / "fast", hinted[1]))
 
 
-def test_streams_hold_what_waits_for_the_definitions(tmp_path: Path) -> None:
-    """At 6 ms the logger needs some 40 ms for the definitions, then more than 80 ms to catch up."""
-    plan = planned(tmp_path, "6 ms")
+def test_streams_hold_four_periods_of_the_logger_and_more_where_levels_are_threads(
+    tmp_path: Path,
+) -> None:
+    plan = planned(tmp_path, "5 ms")
     ticks = plan.task("n0").level
-    record_bytes = 8 + 2 + 4  # its head, and the tag, the number and the CRC of one output
-    assert stream_bytes(plan)[ticks] > TOPICS * record_bytes * 120e-3 / 10e-3
+    record_bytes = 8 + 2 + 4  # its head, and the tag, the number and the hash of one output
+    at_once = TOPICS * record_bytes
+    assert stream_bytes(plan)[ticks] == power_of_two(at_once * (1 + 20 / 10))
+    imu = plan_of("quad").task("imu0").level
+    one_core, threads = (
+        stream_bytes(make_plan(str(HOME / "graph" / "quad.yaml"), board))[imu]
+        for board in ("fmu_v2", "linux")
+    )
+    assert threads >= 500 / 20 * one_core / 2  # powers of two
+
+
+def power_of_two(least: float) -> int:
+    return int(2 ** math.ceil(math.log2(least)))
+
+
+def test_an_activation_of_the_logger_writes_somewhat_more_than_the_log_takes() -> None:
+    """A third more, in whole blocks: at 5 ms, of 0.19 and 0.95 kB of samples, or 3.8 kB with the
+    recording."""
+    quad, outdoor = plan_of("quad"), plan_of("quad_outdoor")
+    assert blocks_at_once(quad.graph, quad.topics) == 1
+    assert blocks_at_once(outdoor.graph, outdoor.topics) == 2
+    assert blocks_with_recording(outdoor) == 6
 
 
 def test_the_storage_has_a_record_for_each_block(tmp_path: Path) -> None:
     """Of which the logger publishes several at once: about 800 a second, not one each 5 ms."""
     plan = planned(tmp_path, "5 ms")
     stored = plan.task("log_sink").level
-    assert stream_bytes(plan)[stored] >= 1024
+    assert stream_bytes(plan)[stored] >= (8 + 800 * 20e-3) * 10
 
 
 def plan_of(name: str) -> Plan:
