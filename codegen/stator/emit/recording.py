@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 VERSION = 2  # of the format; 1 had CRC-32 of samples, and does not say so
 START_LEVEL = 0  # of publications before the first task runs
-# A stream holds the records of its level for this number of logger periods. Where levels are threads,
-# a busy machine may keep the logger waiting for longer, and has the memory.
+# A stream holds the records of its level for this number of logger periods. Where levels are
+# threads, a busy machine may keep the logger waiting for longer, and has the memory.
 HELD_PERIODS = 4
 HELD_BY_THREADS_US = 500_000
 MIN_STREAM = 256
