@@ -60,7 +60,7 @@ void Logger::step(LoggerPorts& ports) {
         if (changes != nullptr) write_changes(ports, *changes);
         if (recording != nullptr) write_recorded_definitions(ports, *recording);
     }
-    if (recording != nullptr && has_room()) write_check(ports);
+    if (recording != nullptr && tail_.empty() && has_room()) write_check(ports);
     if (ports.now - flushed_us_ >= kFlushInterval_us) flush(ports);
     previous_us_ = ports.now;
 }
@@ -70,7 +70,7 @@ bool Logger::write_definitions(LoggerPorts& ports) {
     const LogTable& table = *ports.log;
     const uint32_t replaceable = table.start == nullptr ? 0 : table.parameter_count;
     const uint32_t count = 1 + 2 * table.topic_count + table.parameter_count + replaceable;
-    while (defined_ < count && has_room()) write_definition(ports, defined_++);
+    while (defined_ < count && has_room_to_define()) write_definition(ports, defined_++);
     return defined_ == count && tail_.empty();
 }
 
@@ -265,7 +265,7 @@ void Logger::write_text(LoggerPorts& ports, std::string_view text) {
 
 // The end of a definition, as far as there is room.
 void Logger::write_tail(LoggerPorts& ports) {
-    while (!tail_.empty() && has_room()) {
+    while (!tail_.empty() && has_room_to_define()) {
         const size_t fits = std::min(tail_.size(), kBlockBytes - used_);
         write_text(ports, tail_.substr(0, fits));
         tail_.remove_prefix(fits);

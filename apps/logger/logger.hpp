@@ -24,6 +24,8 @@ class Logger {
     static constexpr uint64_t kFlushInterval_us = 100'000;
 
     bool has_room() const { return published_ < blocks_at_once_; }
+    // Definitions leave the last block to samples, so that these wait for no later activation.
+    bool has_room_to_define() const { return published_ + 1 < blocks_at_once_; }
     bool write_definitions(LoggerPorts& ports);
     void write_definition(LoggerPorts& ports, uint32_t index);
     void write_header(LoggerPorts& ports);

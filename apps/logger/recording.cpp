@@ -17,7 +17,8 @@ constexpr size_t kMinChunk = 32;  // less of a stream is not worth a message at 
 }  // namespace
 
 void Logger::write_recorded_definitions(LoggerPorts& ports, const RecordingTable& table) {
-    for (; recorded_ < table.definition_count && has_room(); ++recorded_) {
+    for (; recorded_ < table.definition_count && tail_.empty() && has_room_to_define();
+         ++recorded_) {
         tail_ = table.definitions[recorded_];
         begin_recorded(ports, Kind::kDefinition, 0, tail_.size());
         write_tail(ports);

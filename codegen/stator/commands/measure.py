@@ -12,7 +12,7 @@ from stator.arguments import add_graph_arguments
 from stator.diagnostics import NOT_DONE, UserError, shown_path
 from stator.pipeline import make_plan
 from stator.plan.text import text_table
-from stator.prove.budget_file import Row, counted, file_text, join, read_rows
+from stator.prove.budget_file import Row, counted, file_text, join, own, read_rows
 
 if TYPE_CHECKING:
     import argparse
@@ -53,7 +53,8 @@ def main(arguments: argparse.Namespace) -> int:
         if why:
             missing[row["task"]] = why
         else:
-            new[row["task"]] = counted(row["instructions"], instruction_ns)
+            key = own(plan.graph.name, row["task"])
+            new[key] = counted(row["instructions"], instruction_ns)
     file = plan.graph.file.parent / "budgets" / f"{board.name}.yaml"
     rows = join(read_rows(file), new)
     file.parent.mkdir(exist_ok=True)
@@ -63,7 +64,7 @@ def main(arguments: argparse.Namespace) -> int:
         shown = {name: vars(row) for name, row in rows.items()}
         print(json.dumps({"file": str(file), "budgets": shown, "missing": missing}, indent=2))
     else:
-        _show(new, rows, missing)
+        _show(plan.graph.name, new, rows, missing)
         print(f"{shown_path(file)}: written")
     return 0
 
@@ -88,15 +89,20 @@ def _why_not(node: Node, row: dict[str, Any], board: Board, emulated: Board) -> 
     return "" if row["activations"] else "never activated in this flight"
 
 
-def _show(new: dict[str, Row], rows: dict[str, Row], missing: dict[str, str]) -> None:
+def _show(graph: str, new: dict[str, Row], rows: dict[str, Row], missing: dict[str, str]) -> None:
     shown = [("task", "instructions", "budget", "")]
     shown += [
-        (name, str(row.instructions), f"{rows[name].budget_us} us", _note(row, rows[name]))
-        for name, row in new.items()
+        (
+            key.removeprefix(own(graph, "")),
+            str(row.instructions),
+            f"{rows[key].budget_us} us",
+            _note(row, rows[key]),
+        )
+        for key, row in new.items()
     ]
     print("\n".join(text_table(shown)))
     for name, why in missing.items():
-        kept = rows.get(name)
+        kept = rows.get(own(graph, name)) or rows.get(name)
         has = "no budget" if kept is None else f"budget {kept.budget_us} us, {kept.source}"
         print(f"{name}: not measured, {why}; {has}")
 

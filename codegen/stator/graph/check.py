@@ -109,23 +109,30 @@ def _budgets(
     table = sources.read(file, language.BUDGETS) if file.is_file() else None
     if table is None:
         return {}
-    # The graphs of a folder share the file, so a node of another graph is not an error here. A name
-    # that resembles a node without a budget is one.
-    without = [name for name in record.get("nodes").keys if name not in table.keys]
-    for name in table.values:
+    # The graphs of a folder share the file: NODE is for all of them, GRAPH.NODE for one, and counts
+    # there. A node of another graph is not an error here, but a name that resembles a node without
+    # a budget is.
+    own = f"{path.stem}."
+    keys = {key.removeprefix(own): key for key in table.values if "." not in key}
+    keys |= {key.removeprefix(own): key for key in table.values if key.startswith(own)}
+    without = [name for name in record.get("nodes").keys if name not in keys]
+    for name, key in keys.items():
         close = get_close_matches(name, without, n=1, cutoff=0.8)
         if name in record.get("nodes").keys or not close or _letters(name) == _letters(close[0]):
             continue
         sources.report.error(
-            table.keys[name],
+            table.keys[key],
             "budget-node",
             f"unknown node '{name}' in {path.name}",
             f"did you mean '{close[0]}'?",
         )
     return {
-        name: Budget(found.value("budget"), found.value("from", language.PROVENANCES[0]))
-        for name, found in table.values.items()
-        if found.value("budget") is not None
+        name: Budget(
+            table.values[key].value("budget"),
+            table.values[key].value("from", language.PROVENANCES[0]),
+        )
+        for name, key in keys.items()
+        if table.values[key].value("budget") is not None
     }
 
 

@@ -520,5 +520,6 @@ BUDGETS = Table(
             }
         ),
     ),
-    "a node",
+    "a node, as NODE, or as GRAPH.NODE where it is for one graph",
+    rf"(?:[^.]+\.)?{NAME_PATTERN}",
 )

@@ -53,7 +53,8 @@ def blocks_at_once(
     graph: Graph, topics: Mapping[str, TopicPlan], bytes_per_s: Fraction | None = None
 ) -> int:
     """That an activation of this graph's logger publishes at most, so that none takes longer than
-    its log needs. `bytes_per_s`: with a recording."""
+    its log needs: what it needs, and one that ends where the activation's samples are written.
+    `bytes_per_s`: with a recording."""
     logger = logger_of(graph)
     assert logger is not None
     period = Rates(graph).node(logger.name)
@@ -61,7 +62,7 @@ def blocks_at_once(
         return most_blocks(graph)
     wanted = logged_bytes(topics) if bytes_per_s is None else bytes_per_s
     needed = wanted * period / SECOND_US / (MAX_SHARE * block_bytes(graph, topics))
-    return min(max(math.ceil(needed), 1), most_blocks(graph))
+    return min(max(math.ceil(needed), 1) + 1, most_blocks(graph))
 
 
 def at_once_bytes(graph: Graph, topics: Mapping[str, TopicPlan]) -> Fraction:

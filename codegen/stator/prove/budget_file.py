@@ -48,9 +48,13 @@ def read_rows(file: Path) -> dict[str, Row]:
     }
 
 
+def own(graph: str, node: str) -> str:
+    """The key of what a graph's own flights have counted."""
+    return f"{graph}.{node}"
+
+
 def join(old: dict[str, Row], new: dict[str, Row]) -> dict[str, Row]:
-    """Graphs share the file, so the larger count of a node holds. What hardware has measured
-    stays."""
+    """The larger count of two flights holds. What hardware has measured stays."""
     found = dict(old)
     for name, row in new.items():
         before = old.get(name)
@@ -67,6 +71,7 @@ def file_text(rows: dict[str, Row], board: str, instruction_ns: int) -> str:
         "counted in one\n"
         f"# activation, times {instruction_ns} ns (`instruction_ns` in board.yaml), times a margin "
         f"of {MARGIN}. Hardware has not\n"
-        "# measured any of these. Write guesses here for what the emulator has not.\n"
+        "# measured any of these. GRAPH.NODE is for one graph, NODE for those without a row of\n"
+        "# their own. Write guesses here for what the emulator has not.\n"
         + "".join(rows[name].text(name) for name in sorted(rows))
     )

@@ -20,7 +20,7 @@ constexpr size_t kTopics = 3;
 constexpr size_t kParameters = 60;
 constexpr size_t kFileHead = 16;
 
-// A table whose formats are longer than a block, and of a log that needs one block at a time.
+// A table whose formats are longer than a block, and of a log that needs little.
 class LoggerTest : public ::testing::Test {
   protected:
     LoggerTest() {
@@ -45,7 +45,7 @@ class LoggerTest : public ::testing::Test {
         ports.log = &table_;
         Probe<LogBlock> probe(ports.block, ports.now);
         logger_.step(ports);
-        EXPECT_LE(probe.count(), 1U) << "more than the table allows";
+        EXPECT_LE(probe.count(), 1U) << "definitions leave a block to samples";
         if (probe.count() == 0) return 0;
         const LogBlock& block = probe.newest();
         log_.insert(log_.end(), block.data.begin(), block.data.begin() + block.length);
@@ -77,7 +77,7 @@ class LoggerTest : public ::testing::Test {
                     .topic_count = kTopics,
                     .parameters = parameters_.data(),
                     .parameter_count = kParameters,
-                    .blocks_at_once = 1,
+                    .blocks_at_once = 2,
                     .events = &events_,
                     .graph = "test",
                     .graph_hash = "0123"};
@@ -86,7 +86,7 @@ class LoggerTest : public ::testing::Test {
     std::vector<uint8_t> log_;
 };
 
-TEST_F(LoggerTest, an_activation_publishes_no_more_than_the_table_allows_and_all_is_written) {
+TEST_F(LoggerTest, an_activation_writes_a_block_of_definitions_and_all_are_written) {
     for (unsigned i = 0; i < 50; ++i) step();
     const auto found = messages();
     ASSERT_EQ(found.at('F').size(), kTopics);

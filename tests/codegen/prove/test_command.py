@@ -9,6 +9,7 @@ import pytest
 from tests.codegen.prove.graphs import written
 
 from stator.__main__ import main
+from stator.pipeline import make_plan
 from stator.prove.budget_file import Row, counted, file_text, join, read_rows
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -75,6 +76,23 @@ def test_the_weakest_of_all(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
         assert words in capsys.readouterr().out
         assert main(["prove", str(graph), "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["weakest_provenance"] == weakest
+
+
+def test_the_budgets_of_a_graph_count_before_those_of_all_graphs(tmp_path: Path) -> None:
+    graph = written(
+        tmp_path,
+        """
+        nodes:
+          one: {app: stage, trigger: {every: 1 ms}, priority: 2}
+          two: {app: stage, trigger: {every: 1 ms}, priority: 1}
+        """,
+    )
+    (tmp_path / "budgets").mkdir()
+    (tmp_path / "budgets" / "bench.yaml").write_text(
+        f"{graph.stem}.one: 5 us\none: 9 us\nother.one: 7 us\ntwo: 8 us\nother.two: 6 us\n"
+    )
+    nodes = make_plan(str(graph), None).graph.nodes
+    assert (nodes["one"].budget_us, nodes["two"].budget_us) == (5, 8)
 
 
 def test_a_budget_of_counts() -> None:
