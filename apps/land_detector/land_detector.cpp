@@ -92,7 +92,9 @@ bool LandDetector::has_touched_down(const LandDetectorPorts& ports, float dt) {
         counted(sinks && is_still && thrust < params.light_thrust, standing_for_s_, dt);
     resting_for_s_ = counted(is_still && is_steady && thrust < kVeryLight * params.light_thrust,
                              resting_for_s_, dt);
-    const bool hit = since_impact_s_ < kImpactCounts_s;
+    // A jolt high up is a gust.
+    const bool is_high = ports.position->z_valid && height_ > kHigh;
+    const bool hit = since_impact_s_ < kImpactCounts_s && !is_high;
     return standing_for_s_ >= params.landed_after ||
            resting_for_s_ >= params.landed_unasked_after ||
            (hit && still_for_s_ >= params.landed_after_impact);

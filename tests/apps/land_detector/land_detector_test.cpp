@@ -130,6 +130,16 @@ TEST_F(LandDetectorTest, after_an_impact_it_has_landed_sooner_even_with_thrust) 
     EXPECT_TRUE(run(0.08F));
 }
 
+TEST_F(LandDetectorTest, a_jolt_high_up_is_a_gust) {
+    fly();
+    position_.z = -20.0F;
+    step();
+    position_.az = -12.0F;
+    EXPECT_FALSE(step());
+    position_.az = 0.0F;
+    EXPECT_FALSE(run(0.3F));
+}
+
 TEST_F(LandDetectorTest, an_impact_that_is_long_past_does_not_count) {
     fly();
     position_.vz = 0.5F;
