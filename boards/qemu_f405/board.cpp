@@ -1,5 +1,6 @@
 // Ties the emulated chip to the simulated world on the host: each millisecond, at hardware priority
 // 0, the world moves up to now, fills the devices that sampled meanwhile, and pends their vectors.
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -17,6 +18,7 @@ namespace stator::board {
 namespace {
 
 using drivers::motor::sim::MotorSim;
+using drivers::servo::sim::ServoSim;
 
 constexpr uint8_t kAnyVector = 28;
 constexpr uint32_t kPriorityBits = 0xF0;
@@ -45,6 +47,12 @@ uint64_t missed_samples = 0;
 void write_motors(const MotorSim::Control& control) {
     const link::ToPlant message{
         .kind = link::ToPlant::Kind::kCommand, .time_us = clock_us(), .control = control};
+    require(to_plant.write(&message, sizeof message), "the plant does not listen");
+}
+
+void write_servos(const ServoSim::Control& control) {
+    link::ToPlant message{.kind = link::ToPlant::Kind::kServos, .time_us = clock_us()};
+    std::copy(control.begin(), control.end(), message.control.begin());
     require(to_plant.write(&message, sizeof message), "the plant does not listen");
 }
 
@@ -159,6 +167,7 @@ void prepare() {
             "the plant is missing: ./stator emulate starts one");
     require(log_file.open(link::kLog, semihosting::Mode::kWrite), "cannot open the log");
     motors.write = write_motors;
+    servos.write = write_servos;
     log_storage.append = append;
     system0.restart = restart_or_finish;
     parameter_box = &terminal0.box;

@@ -34,11 +34,12 @@ struct ToPlant {
         kStep = 1,     // move the world up to time_us, and answer
         kCommand = 2,  // the motors do this from time_us on
         kFinished =
-            3,  // the firmware has ended the flight, mostly after the plant declared it over
+            3,        // the firmware has ended the flight, mostly after the plant declared it over
+        kServos = 4,  // the servos do this from time_us on
     };
     Kind kind = Kind::kStep;
     uint64_t time_us = 0;
-    std::array<float, 12> control{};  // as ActuatorMotors has it
+    std::array<float, 12> control{};  // as ActuatorMotors has it; or ActuatorServos, the first 8
     uint64_t activations = 0;
     uint64_t lost_samples = 0;
     uint64_t missed_samples = 0;  // that a device still busy with the one before did not take

@@ -5,6 +5,7 @@
 // current folder. A signal ends a flight in order. Exit status: 0 the firmware ended the flight; 1
 // it went away, or a file could not be written whole; 2 a wrong argument, or a file that cannot be
 // opened.
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -79,6 +80,12 @@ class Server {
                 case link::ToPlant::Kind::kCommand:
                     world_.command_motors(message.time_us, message.control);
                     break;
+                case link::ToPlant::Kind::kServos: {
+                    world::ServoControls servos;
+                    std::copy_n(message.control.begin(), servos.size(), servos.begin());
+                    world_.command_servos(message.time_us, servos);
+                    break;
+                }
                 case link::ToPlant::Kind::kFinished:
                     finished_ = message;
                     return true;
