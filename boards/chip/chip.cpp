@@ -90,10 +90,16 @@ uint32_t Chip::read(uint32_t address, unsigned bytes) {
     if (!reset_and_clocks_->is_on(block.gate())) {
         throw Violation(block.name() + ": read while its clock is off");
     }
-    return block.read(address - block.base(), bytes);
+    const uint32_t value = block.read(address - block.base(), bytes);
+    constant_ = {};
+    if (block.is_constant() && bytes == 4) {
+        constant_ = {.address = address, .first = value, .divider = 1, .from_ns = now_ns_};
+    }
+    return value;
 }
 
 void Chip::write(uint32_t address, uint32_t value, unsigned bytes) {
+    constant_ = {};
     Block& block = block_at(address);
     if (!reset_and_clocks_->is_on(block.gate())) {
         throw Violation(block.name() + ": written while its clock is off");
@@ -113,6 +119,7 @@ void Chip::move(uint64_t now_ns) {
             }
         }
         if (due_ns > now_ns) break;
+        constant_ = {};
         now_ns_ = std::max(now_ns_, due_ns);
         next->run();
     }
@@ -123,6 +130,16 @@ uint64_t Chip::visible_ns() const {
     uint64_t first = kNever;
     for (const auto& block : blocks_) first = std::min(first, block->visible_ns());
     return first;
+}
+
+wire::Known Chip::known(uint64_t until_ns) const {
+    wire::Known known{};
+    if (read_timer_ != nullptr && reset_and_clocks_->is_on(read_timer_->gate())) {
+        known[0] = read_timer_->counter();
+    }
+    known[1] = constant_;
+    known[1].until_ns = until_ns;
+    return known;
 }
 
 void Chip::reset() {

@@ -185,6 +185,7 @@ void Dma::transfer(unsigned stream) {
     if ((control & kCircular) != 0) {
         left = moving.items;
         moving.moved = 0;
+        moving.ahead_bytes = 0;
     } else {
         control &= ~kEnable;
     }
@@ -207,15 +208,31 @@ void Dma::copy(unsigned stream) {
     std::array<uint8_t, 4> bytes{};
     const std::span<uint8_t> item(bytes.data(), width);
     if (is_to_peripheral) {
-        chip_.memory().fetch(memory, item);
+        const uint8_t* fetched = fetch(stream, memory, width);
         uint32_t value = 0;
-        for (unsigned i = 0; i < width; ++i) value |= static_cast<uint32_t>(bytes[i]) << 8 * i;
+        for (unsigned i = 0; i < width; ++i) value |= static_cast<uint32_t>(fetched[i]) << 8 * i;
         chip_.write(stream_at(stream, kPeripheral), value, 4);
     } else {
         const uint32_t value = chip_.read(stream_at(stream, kPeripheral), 4);
         for (unsigned i = 0; i < width; ++i) bytes[i] = static_cast<uint8_t>(value >> 8 * i);
         chip_.memory().store(memory, item);
     }
+}
+
+// Several items at once, as each question to the memory's owner takes time: firmware must not write
+// what a stream has yet to fetch.
+const uint8_t* Dma::fetch(unsigned stream, uint32_t memory, uint32_t width) {
+    Stream& moving = streams_[stream];
+    const bool is_increasing = (stream_at(stream, kControl) & kMemoryIncrement) != 0;
+    if (!is_increasing || memory < moving.ahead_from ||
+        memory + width > moving.ahead_from + moving.ahead_bytes) {
+        const uint32_t left = stream_at(stream, kItems);
+        const uint32_t items = is_increasing ? std::min<uint32_t>(left, kAhead / width) : 1;
+        moving.ahead_from = memory;
+        moving.ahead_bytes = items * width;
+        chip_.memory().fetch(memory, std::span(moving.ahead).first(moving.ahead_bytes));
+    }
+    return &moving.ahead[memory - moving.ahead_from];
 }
 
 void Dma::raise(unsigned stream, uint32_t flags) {

@@ -47,8 +47,12 @@ bool Emulator::take(void* bytes, size_t count) const {
     }
 }
 
-void Emulator::give(const void* bytes, size_t count) const {
-    const auto* from = static_cast<const char*>(bytes);
+// Each system call takes time, so all that is due goes at once.
+void Emulator::give(const wire::Reply& reply) {
+    flush_stored();
+    append(&reply, sizeof reply);
+    const uint8_t* from = unsent_.data();
+    size_t count = unsent_.size();
     while (count > 0) {
         const ssize_t given = send(socket_, from, count, MSG_NOSIGNAL);
         if (given < 0 && errno == EINTR) continue;
@@ -56,31 +60,48 @@ void Emulator::give(const void* bytes, size_t count) const {
         from += given;
         count -= static_cast<size_t>(given);
     }
+    unsent_.clear();
+}
+
+void Emulator::append(const void* bytes, size_t count) {
+    const auto* from = static_cast<const uint8_t*>(bytes);
+    unsent_.insert(unsent_.end(), from, from + count);
+}
+
+// Bytes that lie one behind the other are one message.
+void Emulator::flush_stored() {
+    if (stored_.empty()) return;
+    const auto length = static_cast<uint32_t>(stored_.size());
+    const uint32_t first = store_end_ - length;
+    const wire::Reply ask{.kind = wire::ReplyKind::kStore, .address = first, .length = length};
+    append(&ask, sizeof ask);
+    append(stored_.data(), stored_.size());
+    stored_.clear();
 }
 
 void Emulator::fetch(uint32_t address, std::span<uint8_t> bytes) {
     const auto length = static_cast<uint32_t>(bytes.size());
-    const wire::Reply ask{.kind = wire::ReplyKind::kFetch, .address = address, .length = length};
-    give(&ask, sizeof ask);
+    give({.kind = wire::ReplyKind::kFetch, .address = address, .length = length});
     if (!take(bytes.data(), bytes.size())) fail("the emulator has ended");
 }
 
 void Emulator::store(uint32_t address, std::span<const uint8_t> bytes) {
-    const auto length = static_cast<uint32_t>(bytes.size());
-    const wire::Reply ask{.kind = wire::ReplyKind::kStore, .address = address, .length = length};
-    give(&ask, sizeof ask);
-    give(bytes.data(), bytes.size());
+    if (address != store_end_ || stored_.size() + bytes.size() > kMostStored) flush_stored();
+    stored_.insert(stored_.end(), bytes.begin(), bytes.end());
+    store_end_ = address + static_cast<uint32_t>(bytes.size());
+}
+
+void Emulator::stop() {
+    give({.kind = wire::ReplyKind::kStop});
 }
 
 wire::Reply Emulator::answer(Chip& chip, const wire::Request& request) {
     wire::Reply reply{.kind = wire::ReplyKind::kAnswer};
     switch (request.kind) {
         case wire::RequestKind::kRead:
-            ++accesses_;
             reply.value = chip.read(request.address, request.bytes);
             break;
         case wire::RequestKind::kWrite:
-            ++accesses_;
             chip.write(request.address, request.value, request.bytes);
             break;
         case wire::RequestKind::kReset:
@@ -99,25 +120,22 @@ wire::Reply Emulator::answer(Chip& chip, const wire::Request& request) {
     return reply;
 }
 
-void Emulator::serve(Chip& chip, uint64_t end_ns) {
+void Emulator::serve(Chip& chip, const std::function<bool()>& is_over) {
     wire::Request request{};
     while (take(&request, sizeof request)) {
         wire::Reply reply;
+        ++requests_;
         try {
             chip.move(request.now_ns);
             reply = answer(chip, request);
         } catch (const Violation&) {
-            const wire::Reply stop{.kind = wire::ReplyKind::kStop, .value = 1};
-            give(&stop, sizeof stop);
+            give({.kind = wire::ReplyKind::kStop, .value = 1});
             throw;
         }
-        if (request.now_ns >= end_ns) {
-            const wire::Reply stop{.kind = wire::ReplyKind::kStop};
-            give(&stop, sizeof stop);
-            return;
-        }
-        reply.next_ns = std::min(chip.visible_ns(), end_ns);
-        give(&reply, sizeof reply);
+        if (is_over()) return;
+        reply.next_ns = chip.visible_ns();
+        reply.known = chip.known(reply.next_ns);
+        give(reply);
     }
 }
 

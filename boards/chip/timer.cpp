@@ -71,6 +71,16 @@ uint32_t Timer::count() const {
     return static_cast<uint32_t>(std::min<uint64_t>(counted, reload_));
 }
 
+wire::Counter Timer::counter() const {
+    if (!has(kControl1, kEnable)) return {};
+    return {.address = base() + kCount,
+            .first = from_count_,
+            .clock_hz = clock_hz(),
+            .divider = prescaler_ + 1,
+            .from_ns = from_ns_,
+            .until_ns = update_ns_};
+}
+
 // To the start of the running count, so that no fraction of it is lost.
 void Timer::settle() {
     const uint32_t counted = count();
@@ -145,7 +155,10 @@ void Timer::pulse() const {
 }
 
 uint32_t Timer::on_read(uint32_t offset) {
-    if (offset == kCount) return count();
+    if (offset == kCount) {
+        chip_.note_read_of(*this);
+        return count();
+    }
     return offset == kEvent ? 0 : at(offset);
 }
 

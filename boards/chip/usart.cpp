@@ -12,7 +12,7 @@ constexpr uint32_t kStatus = 0x00, kData = 0x04, kRate = 0x08, kControl1 = 0x0C,
                    kControl3 = 0x14;
 constexpr uint32_t kOverrun = 1U << 3, kIdle = 1U << 4, kReceived = 1U << 5, kComplete = 1U << 6,
                    kRoom = 1U << 7;
-constexpr uint32_t kReceives = 1U << 2, kSends = 1U << 3, kEnable = 1U << 13;
+constexpr uint32_t kReceives = 1U << 2, kSends = 1U << 3, kEnable = 1U << 13, kEightfold = 1U << 15;
 constexpr uint32_t kReceiveDma = 1U << 6, kSendDma = 1U << 7, kErrorInterrupt = 1U << 0;
 constexpr Row kRows[] = {
     {kStatus, "SR", 0xC0, 0x0360, 0x009F},
@@ -68,7 +68,28 @@ bool Usart::asks(bool is_to_peripheral) const {
 uint64_t Usart::byte_ns() const {
     const bool is_apb2 = name() == "USART1" || name() == "USART6";
     const uint64_t bus_hz = is_apb2 ? chip_.clocks().apb2_hz : chip_.clocks().apb1_hz;
-    return at(kRate) * kBitsOfByte * 1'000'000'000ULL / bus_hz;
+    const uint64_t rate = at(kRate);
+    // In sixteenths of a bit, or in eighths with a gap of a bit (30.3.4).
+    const uint64_t clocks = has(kControl1, kEightfold) ? rate / 16 * 8 + rate % 8 : rate;
+    return clocks * kBitsOfByte * 1'000'000'000ULL / bus_hz;
+}
+
+// Of bytes that DMA moves, the processor sees the stream's end and the pause behind them.
+uint64_t Usart::visible_ns() const {
+    const auto between = [&](bool is_to_peripheral) -> uint64_t {
+        const uint32_t left = std::max(chip_.dma(1).items_left(*this, is_to_peripheral),
+                                       chip_.dma(2).items_left(*this, is_to_peripheral));
+        return left > 1 ? left - 1 : 0;
+    };
+    uint64_t sent_ns = sent_ns_;
+    if (sent_ns != kNever && !has(kControl1, kRoom | kComplete)) {
+        sent_ns += between(true) * byte_ns();
+    }
+    uint64_t received_ns = received_ns_;
+    if (received_ns != kNever && has(kControl3, kReceiveDma) && !has(kControl1, kReceived)) {
+        received_ns += std::min<uint64_t>(arriving_.size(), between(false)) * byte_ns();
+    }
+    return std::min(sent_ns, received_ns);
 }
 
 uint32_t Usart::on_read(uint32_t offset) {
@@ -108,8 +129,13 @@ void Usart::check(uint32_t offset, uint32_t value) const {
     if (offset == kControl1 && (value & kEnable) != 0 && at(kRate) == 0) {
         refuse("enabled without a rate");
     }
-    // 9 bits, parity, eightfold sampling, break, mute
-    if (offset == kControl1 && (value & 0x9703) != 0) refuse("CR1 is not modelled: " + hex(value));
+    const uint32_t control = offset == kControl1 ? value : at(kControl1);
+    const uint32_t rate = offset == kRate ? value : at(kRate);
+    if ((control & kEightfold) != 0 && (rate & 8) != 0) {
+        refuse("BRR has bit 3 with eightfold sampling (30.6.3)");
+    }
+    // 9 bits, parity, break, mute
+    if (offset == kControl1 && (value & 0x1703) != 0) refuse("CR1 is not modelled: " + hex(value));
     if (offset == kControl2 && value != 0) refuse("CR2 is not modelled: " + hex(value));
     if (offset == kControl3 && (value & 0x0F3E) != 0) refuse("CR3 is not modelled: " + hex(value));
 }

@@ -1,14 +1,19 @@
 // Starts the Pixhawk FMU: clocks, supplies, pins, the clock of the graph, the CAN controller, the
 // serial lines, the watchdog. It builds, links and passes every static check; no hardware has run
 // it.
+#include <array>
+#include <span>
+
 #include "devices.hpp"
 #include "lines.hpp"
 #include "pins.hpp"
 #include "stator/cortex_m.hpp"
 #include "stm32f4/clock_tree.hpp"
 #include "stm32f4/pwm.hpp"
+#include "stm32f4/send_ring.hpp"
 #include "stm32f4/spi.hpp"
 #include "stm32f4/timer.hpp"
+#include "stm32f4/usart.hpp"
 #include "stm32f4/watchdog.hpp"
 
 namespace stator::board {
@@ -113,7 +118,8 @@ constexpr uint32_t kUsart2Clock = 1U << 17;
 constexpr uint32_t kUsart3Clock = 1U << 18;
 constexpr uint8_t kUsart2Vector = 38;
 constexpr uint8_t kUsart3Vector = 39;
-constexpr uint8_t kSensorVectors[] = {29, 40, 58};  // TIM3, EXTI15_10, DMA2 stream 2
+// DMA1 stream 1, TIM3, EXTI15_10, DMA2 stream 2.
+constexpr uint8_t kDmaAndSensorVectors[] = {12, 29, 40, 58};
 
 void start_line(const pins::SerialPins& line) {
     line.send.make_alternate(pins::kUsartFunction);
@@ -128,6 +134,49 @@ void start_lines() {
     stm32f4::rcc::kApb1Enable.set(kUsart2Clock | kUsart3Clock);
     start_line(pins::kTelem1);
     start_line(pins::kTelem2);
+}
+
+// SERIAL4: motion capture, by DMA1, stream 6 (table 42). A message of 48 bytes takes 0.5 ms, and
+// cameras some 5 ms.
+struct Serial4Sent;
+struct Serial4Received;
+constinit stm32f4::Usart<stm32f4::DmaBuffer<Serial4Sent, 4>,
+                         stm32f4::DmaBuffer<Serial4Received, 512>>
+    serial4(0x40007C00, stm32f4::DmaStream(1, 0, 5), stm32f4::DmaStream(1, 6, 5));
+constexpr uint32_t kUart8Clock = 1U << 31;  // RCC_APB1ENR
+constexpr uint32_t kMocapBaud = 921'600;
+constexpr uint32_t kMocapDelay_us = 5'500;
+
+size_t read_mocap(std::span<uint8_t> bytes) {
+    return serial4.read(bytes);
+}
+
+void start_mocap() {
+    stm32f4::rcc::kApb1Enable.set(kUart8Clock);
+    pins::kSerial4Send.make_alternate(pins::kUartFunction);
+    pins::kSerial4Receive.make_alternate(pins::kUartFunction);
+    if (!serial4.start(stm32f4::kApb1Clock_hz, kMocapBaud)) return;  // it stays silent
+    serial4.hear_pauses();
+    mocap0 = {.read = read_mocap, .delay_us = kMocapDelay_us};
+}
+
+// SERIAL5: the log, by DMA1, stream 1 (table 42), at 5.25 Mbaud. The ring holds what the logger
+// says at once of the recording of `quad`, 18 KB within 15 ms, less what goes out meanwhile.
+struct LogBytes;
+constinit stm32f4::SendRing<stm32f4::DmaBuffer<LogBytes, 16384>> log_line(0x40007800,
+                                                                          stm32f4::DmaStream(1, 1,
+                                                                                             5));
+constexpr uint32_t kUart7Clock = 1U << 30;  // RCC_APB1ENR
+
+bool append_to_log(const uint8_t* bytes, size_t count) {
+    return log_line.append(std::span(bytes, count));
+}
+
+void start_log() {
+    stm32f4::rcc::kApb1Enable.set(kUart7Clock);
+    pins::kSerial5Send.make_alternate(pins::kUartFunction);
+    log_line.start();
+    log_storage.append = append_to_log;
 }
 
 // At hardware priority 0.
@@ -152,7 +201,8 @@ uint32_t ticks() {
     return cycles::kCount.read();
 }
 
-void prepare() {
+// Runs once: small, not fast.
+[[gnu::cold, gnu::noinline]] void prepare() {
     make_safe();
     system0.restart = restart;
     cycles::kDebugControl.set(cycles::kTrace);
@@ -164,6 +214,8 @@ void prepare() {
     start_lines();
     start_sensors();
     start_motors();
+    start_mocap();
+    start_log();
 }
 
 // If the hardware does not take the time, the watchdog runs with its longest one.
@@ -171,7 +223,7 @@ void start() {
     static_cast<void>(kWatchdog.start(kWatchdog_ms));
     enable(kUsart2Vector);
     enable(kUsart3Vector);
-    for (const uint8_t vector : kSensorVectors) enable(vector);
+    for (const uint8_t vector : kDmaAndSensorVectors) enable(vector);
 }
 
 void usart2_interrupt();
@@ -188,6 +240,17 @@ void usart3_interrupt() {
 bool take_imu0_data_ready();
 bool take_imu0_data_ready() {
     return true;
+}
+
+// A pause on SERIAL4: behind a message.
+bool take_mocap0_received();
+bool take_mocap0_received() {
+    return serial4.take_pause();
+}
+
+void dma1_stream1_interrupt();
+void dma1_stream1_interrupt() {
+    log_line.finish();
 }
 
 // All three at one priority: none interrupts another.

@@ -53,6 +53,12 @@ inline constexpr SerialPins kTelem1{{'D', 5}, {'D', 6}, {'D', 4}};   // USART2
 inline constexpr SerialPins kTelem2{{'D', 8}, {'D', 9}, {'D', 12}};  // USART3
 inline constexpr uint32_t kUsartFunction = 7;
 
+// The connector SERIAL4/5, which has two lines: UART8, and UART7, of which only the sending pin.
+inline constexpr Pin kSerial4Send('E', 1);
+inline constexpr Pin kSerial4Receive('E', 0);
+inline constexpr Pin kSerial5Send('E', 8);
+inline constexpr uint32_t kUartFunction = 8;
+
 // Outputs 1 to 6 of the FMU itself; the eight main ones belong to the safety processor, which has
 // its own failsafe.
 inline constexpr std::array kMotorOutputs{

@@ -58,6 +58,8 @@ class Block {
     // When that may reach the processor, by a line or a register; not before `due_ns`.
     virtual uint64_t visible_ns() const { return due_ns(); }
     virtual void run() {}
+    // Whether reads have no effect, and give the same until `visible_ns` or a write.
+    virtual bool is_constant() const { return false; }
     // Before the clocks change: what was counted so far counts at the old rate.
     virtual void settle() {}
 

@@ -14,6 +14,7 @@
 #include "chip/clocks.hpp"
 #include "chip/memory.hpp"
 #include "chip/pins.hpp"
+#include "chip/wire.hpp"
 
 namespace stator::chip {
 
@@ -43,6 +44,10 @@ class Chip {
     uint64_t visible_ns() const;
     const Levels& levels() const { return levels_; }
     const Clocks& clocks() const { return reset_and_clocks_->clocks(); }
+    // What the processor may read without asking, until something is visible: the count of the
+    // timer that was read last, if it runs, and the register that was read last, if it only changes
+    // when told.
+    wire::Known known(uint64_t until_ns) const;
     // Whether a peripheral asks for a reset; asked once.
     bool take_reset_request();
 
@@ -56,12 +61,15 @@ class Chip {
     Dma& dma(unsigned controller) { return *dma_.at(controller - 1); }
 
     // Of parts on the board: a call at its time.
-    void at(uint64_t time_ns, std::function<void()> call) { agenda_->at(time_ns, std::move(call)); }
+    void at(uint64_t time_ns, std::function<void()> call, Effect effect = Effect::kSeen) {
+        agenda_->at(time_ns, effect, std::move(call));
+    }
 
     // Of peripherals.
     void set_line(unsigned line, bool is_high);
     void request_reset(ResetCause cause);
     void clocks_change();  // before they do
+    void note_read_of(const Timer& timer) { read_timer_ = &timer; }
     void serve_dma();
     template <class T, class... Arguments>
     T& add(Arguments&&... arguments) {
@@ -85,6 +93,8 @@ class Chip {
     Agenda* agenda_ = nullptr;
     bool serves_dma_ = false;
     std::array<Timer*, 6> timers_{};
+    const Timer* read_timer_ = nullptr;
+    wire::Counter constant_{};
     std::array<Dma*, 2> dma_{};
     std::vector<Usart*> usarts_;
     std::vector<Spi*> spis_;

@@ -58,6 +58,7 @@ class ResetAndClocks : public Block {
     void reset() override;
     uint64_t due_ns() const override;
     void run() override;
+    bool is_constant() const override { return true; }
 
   private:
     // An oscillator or PLL: on, and then ready.

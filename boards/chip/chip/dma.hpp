@@ -43,14 +43,20 @@ class Dma : public Block {
     const DmaClient* client_of(unsigned stream) const;
     void transfer(unsigned stream);
     void copy(unsigned stream);
+    const uint8_t* fetch(unsigned stream, uint32_t memory, uint32_t width);
     void raise(unsigned stream, uint32_t flags);
     void update(unsigned stream);
     uint32_t flags_of(unsigned stream) const;
     uint32_t stream_at(unsigned stream, uint32_t offset) const;
 
+    static constexpr uint32_t kAhead = 64;
     struct Stream {
         uint32_t items = 0;  // as it was enabled
         uint32_t moved = 0;
+        // Fetched before their turn.
+        std::array<uint8_t, kAhead> ahead{};
+        uint32_t ahead_from = 0;
+        uint32_t ahead_bytes = 0;
     };
     unsigned controller_;
     Stream streams_[8];

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "chip/block.hpp"
+#include "chip/wire.hpp"
 
 namespace stator::chip {
 
@@ -18,6 +19,8 @@ class Timer : public Block {
     Timer(Chip& chip, const char* name, uint32_t base, Gate gate, Bus bus, unsigned line,
           unsigned bits, unsigned channels);
     void watch(Watcher watcher) { watcher_ = std::move(watcher); }
+    // Its count, until it starts again; none while it stands.
+    wire::Counter counter() const;
 
     void reset() override;
     uint64_t due_ns() const override { return std::min(update_ns_, compare_ns_); }

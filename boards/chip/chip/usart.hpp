@@ -23,6 +23,7 @@ class Usart : public Block, public DmaClient {
 
     void reset() override;
     uint64_t due_ns() const override { return std::min(sent_ns_, received_ns_); }
+    uint64_t visible_ns() const override;
     void run() override;
 
     std::span<const Request> requests() const override;

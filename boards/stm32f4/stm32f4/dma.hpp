@@ -26,10 +26,17 @@ class DmaStream {
     constexpr DmaStream(uint32_t controller, uint32_t stream, uint32_t channel)
         : controller_(controller), stream_(stream), channel_(channel) {}
 
+    // The controller's clock, once before all else: its register is shared, and whoever interrupts
+    // a change of it would lose it.
+    void switch_on() const { rcc::kAhb1Enable.set(1U << (20 + controller_)); }
     // Between a peripheral's data register and `bytes`. False: the stream's last transfer did not
     // stop within its bound, and nothing was started.
     [[nodiscard]] bool send(uint32_t data_register, const uint8_t* bytes, size_t count) const {
         return start(data_register, bytes, count, kToPeripheral);
+    }
+    // The same; the end raises the stream's vector until it is acknowledged.
+    [[nodiscard]] bool send_once(uint32_t data_register, const uint8_t* bytes, size_t count) const {
+        return start(data_register, bytes, count, kToPeripheral | kEndInterrupt);
     }
     // For ever, around and around.
     [[nodiscard]] bool receive(uint32_t data_register, uint8_t* bytes, size_t count) const {
@@ -73,7 +80,6 @@ class DmaStream {
 
     bool start(uint32_t data_register, const uint8_t* bytes, size_t count,
                uint32_t direction) const {
-        rcc::kAhb1Enable.set(1U << (20 + controller_));
         const Register control = at(0x00);  // DMA_SxCR; 10.3.17 gives the order
         control.write(0);
         if (!wait_until(control, kEnable, 0, kMaxReads)) return false;
@@ -81,9 +87,10 @@ class DmaStream {
         at(0x08).write(data_register);                                              // DMA_SxPAR
         at(0x0C).write(static_cast<uint32_t>(reinterpret_cast<uintptr_t>(bytes)));  // DMA_SxM0AR
         at(0x04).write(static_cast<uint32_t>(count));                               // DMA_SxNDTR
-        control.write(channel_ << 25 | kIncrement | direction);
+        const uint32_t settings = channel_ << 25 | kIncrement | direction;
+        control.write(settings);
         barrier();  // the bytes are in memory before the stream fetches them
-        control.set(kEnable);
+        control.write(settings | kEnable);
         return true;
     }
     // DMA_LIFCR and DMA_HIFCR: four streams each, at bits 0, 6, 16 and 22.

@@ -21,6 +21,8 @@ class Spi {
 
     // The clock of the bus is on. Mode 3: the clock rests high, the second edge samples.
     void start() const {
+        send_.switch_on();
+        receive_.switch_on();
         at(kControl1).write(kSettings);
         at(kControl2).write(kReceiveDma | kSendDma);
     }

@@ -23,11 +23,22 @@ class Usart {
     // 8 data bits, no parity, 1 stop bit. `bus_hz`: the clock of its bus, which is on already.
     // False: the DMA did not start.
     [[nodiscard]] bool start(uint32_t bus_hz, uint32_t baud) {
+        send_.switch_on();
+        receive_.switch_on();
         at(kControl1).write(0);
         at(kBaud).write((bus_hz + baud / 2) / baud);
         at(kControl3).write(kDmaReceive | kDmaSend);
         at(kControl1).write(kEnable | kReceive | kSend);
         return receive_.receive(base_ + kData, Received::bytes, Received::size());
+    }
+
+    // From here on a pause of the other end, as long as a byte, raises the vector.
+    void hear_pauses() const { at(kControl1).set(kPause); }
+    // Whether there was one. Reading both registers clears it (30.6.1).
+    [[nodiscard]] bool take_pause() const {
+        const bool is_pause = (at(kStatus).read() & kPause) != 0;
+        if (is_pause) static_cast<void>(at(kData).read());
+        return is_pause;
     }
 
     // Copies what fits into the buffer of a free sender, and starts to send it. Returns how many
@@ -53,6 +64,8 @@ class Usart {
     }
 
   private:
+    static constexpr uint32_t kStatus = 0x00;    // USART_SR
+    static constexpr uint32_t kPause = 1U << 4;  // IDLE, and IDLEIE of USART_CR1
     static constexpr uint32_t kData = 0x04;      // USART_DR
     static constexpr uint32_t kBaud = 0x08;      // USART_BRR: the divider in sixteenths, 30.3.4
     static constexpr uint32_t kControl1 = 0x0C;  // USART_CR1

@@ -105,11 +105,11 @@ def build_plant() -> Path:
     return folder / "boards" / "qemu_f405" / "plant" / "plant_server"
 
 
-def build_chip_server() -> Path:
-    """Builds the model of the Pixhawk's chip, as a program of this machine."""
+def build_pixhawk() -> Path:
+    """Builds the Pixhawk around the emulated chip, as a program of this machine."""
     folder = HOME / "build" / "plant"
-    configure(folder, ["-DSTATOR_TESTS=OFF"], ["chip_server"])
-    return folder / "boards" / "chip" / "chip_server"
+    configure(folder, ["-DSTATOR_TESTS=OFF"], ["pixhawk_server"])
+    return folder / "boards" / "fmu_v2" / "plant" / "pixhawk_server"
 
 
 def build_hil_simulator() -> Path:

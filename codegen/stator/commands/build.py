@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from stator.arguments import add_verbose_argument, path
 from stator.build.cmake import SLEEP
-from stator.build.image import build_image, image_files
+from stator.build.image import add_record_argument, build_image, image_files, recording_of
 from stator.diagnostics import shown_path
 from stator.image.checks import double_lines, sections_of
 from stator.image.memory import sizes_of, total_of
@@ -23,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("graph", type=path, help="graph file, for example graph/quad.yaml")
     parser.add_argument("--board", help="build for this board instead of the graph's own")
     parser.add_argument("--sleep", action="store_true", help="sleep when idle (default: busy loop)")
+    add_record_argument(parser)
     add_unproven_argument(parser)
     add_verbose_argument(parser)
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
@@ -31,7 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(arguments: argparse.Namespace) -> int:
     plan = make_buildable_plan(str(arguments.graph), arguments.board)
     is_proven = require_proof(plan, unproven=arguments.unproven)
-    image = build_image(arguments.graph, arguments.board, SLEEP if arguments.sleep else {})
+    variant = recording_of(plan) if arguments.record else {}
+    variant |= SLEEP if arguments.sleep else {}
+    image = build_image(arguments.graph, arguments.board, variant)
     files = image_files(plan, image, is_proven=is_proven)
     sizes = sizes_of(image)
     total = total_of(image)

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import signal
 from typing import TYPE_CHECKING
 
 from stator.arguments import path
-from stator.build.cmake import SLEEP, build_plant
-from stator.build.image import build_image
+from stator.build.cmake import SLEEP, build_pixhawk, build_plant
+from stator.build.image import add_record_argument, build_image, flashed_file
+from stator.build.px4_file import padded
 from stator.diagnostics import ANSWER_IS_NO, SIGNALLED, UserError
-from stator.emulator.figures import FIGURES, figures_in, figures_text
-from stator.emulator.qemu import find_emulator, fly
+from stator.emulator import chip
+from stator.emulator.figures import FIGURES, figures_of, figures_text, printed_rows
+from stator.emulator.machine import chip_emulator
+from stator.emulator.qemu import TICK_HZ, find_emulator, fly
 from stator.flight.arguments import (
     add_flight_arguments,
     complete,
@@ -57,7 +61,9 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_flight_arguments(parser, board="qemu_f405", what="a board that the emulator supports")
+    what = "a board that the emulator supports: qemu_f405 or fmu_v2, the Pixhawk"
+    add_flight_arguments(parser, board="qemu_f405", what=what)
+    add_record_argument(parser)
     parser.add_argument(
         "--sleep",
         action="store_true",
@@ -95,10 +101,14 @@ def main(arguments: argparse.Namespace) -> int:
     log = log_of(arguments, [], ".emulated")
     truth = log.with_name(f"{log.name.removesuffix('.ulg')}.truth")
     faults = faults_of(arguments)
-    emulator = find_emulator()
+    is_pixhawk = arguments.board == chip.BOARD
+    if is_pixhawk:
+        chip.refuse_unsupported(arguments, made_plan(arguments))
+        arguments.no_record = arguments.no_record or not arguments.record
+    emulator = chip_emulator() if is_pixhawk else find_emulator()
     variant = (SLEEP if arguments.sleep else {}) | recording_of(arguments)
     image = build_image(arguments.graph, arguments.board, variant)
-    plant = build_plant()
+    plant = build_pixhawk() if is_pixhawk else build_plant()
     link = None if arguments.link is None else socket_place(arguments.link)
     options = ["--truth", str(truth.resolve()), *flight_options(arguments), *place_options(mission)]
     options += mavlink_options(arguments)
@@ -119,18 +129,24 @@ def main(arguments: argparse.Namespace) -> int:
         opened(kept_records) if kept_records else contextlib.nullcontext() as records,
         Endings() as endings,
     ):
-        finished = fly(
-            emulator,
-            image,
-            [str(plant), *options, *vehicle],
-            log,
-            argument=FIGURES if arguments.figures else "",
-            link=link,
-            mission=memory,
-            records=records,
-            lines=len(arguments.mavlink),
-            endings=endings,
-        )
+        around = [str(plant), *options, *vehicle]
+        if is_pixhawk:
+            around += ["--log", str(log), *chip.counter_options(made_plan(arguments), image)]
+            code = padded(flashed_file(image).read_bytes())
+            finished = chip.fly_image(emulator, around, code, endings)
+        else:
+            finished = fly(
+                emulator,
+                image,
+                around,
+                log,
+                argument=FIGURES if arguments.figures else "",
+                link=link,
+                mission=memory,
+                records=records,
+                lines=len(arguments.mavlink),
+                endings=endings,
+            )
         heard = signal.Signals(endings.heard) if endings.heard else None
         if heard and finished.returncode != 0:  # it was asked twice
             raise KeyboardInterrupt
@@ -155,10 +171,17 @@ def main(arguments: argparse.Namespace) -> int:
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())
     facts["emulator"] = emulator.version
-    figures = figures_in(finished.stderr, made_plan(arguments)) if arguments.figures else []
+    run = json.loads(finished.stdout)
+    facts["missed_samples"] = run["missed_samples"]
+    if is_pixhawk:
+        flashed = flashed_file(image)
+        facts["image"] = str(flashed)
+        facts["image_sha256"] = hashlib.sha256(flashed.read_bytes()).hexdigest()
+    figures = []
     if arguments.figures:
-        facts["figures"] = figures
-    facts["missed_samples"] = json.loads(finished.stdout)["missed_samples"]
+        rows = run["tasks"] if is_pixhawk else printed_rows(finished.stderr)
+        tick_hz = chip.CLOCK_HZ if is_pixhawk else TICK_HZ
+        figures = facts["figures"] = figures_of(rows, made_plan(arguments), tick_hz)
     keep(facts)
     if arguments.json:
         print(json.dumps(facts, indent=2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
 import shlex
 import shutil
 import subprocess
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING
 import serial
 
 from stator.arguments import add_verbose_argument, path
-from stator.build.image import build_image, image_files
+from stator.build.image import add_record_argument, build_image, image_files, recording_of
 from stator.build.px4_bootloader import Bootloader
 from stator.build.px4_file import padded
 from stator.diagnostics import NOT_DONE, UserError, shown_path
@@ -42,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     methods = "; ".join(f"{name}: {text}" for name, text in METHODS.items())
     parser.add_argument("--method", choices=METHODS, default="bootloader", help=methods)
     parser.add_argument("--port", help=f"serial port of the bootloader (default: {PORT})")
+    add_record_argument(parser)
     add_unproven_argument(parser)
     add_verbose_argument(parser)
     parser.add_argument("--dry-run", action="store_true", help="show the steps without doing them")
@@ -55,7 +57,8 @@ def main(arguments: argparse.Namespace) -> int:
             "\nhint: add --board fmu_v2"
         )
     is_proven = require_proof(plan, unproven=arguments.unproven or arguments.dry_run)
-    image = build_image(arguments.graph, arguments.board)
+    variant = recording_of(plan) if arguments.record else {}
+    image = build_image(arguments.graph, arguments.board, variant)
     file = image_files(plan, image, is_proven=is_proven)["bin"]
     refusal = _refusal(plan)
     if arguments.dry_run:
@@ -107,7 +110,10 @@ def _command(plan: Plan, file: Path, method: str) -> list[str]:
 
 def _steps(plan: Plan, file: Path, arguments: argparse.Namespace) -> list[str]:
     assert plan.board.upload is not None
-    steps = [f"built     {shown_path(file)}, {file.stat().st_size:,} bytes, passed all checks"]
+    steps = [
+        f"built     {shown_path(file)}, {file.stat().st_size:,} bytes, passed all checks, "
+        f"SHA-256 {hashlib.sha256(file.read_bytes()).hexdigest()}"
+    ]
     if arguments.method != "bootloader":
         return [*steps, f"run       {shlex.join(_command(plan, file, arguments.method))}"]
     port = arguments.port or PORT

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from stator.arguments import add_graph_arguments
 from stator.diagnostics import NOT_DONE, UserError, shown_path
+from stator.emulator import chip
 from stator.pipeline import make_plan
-from stator.plan.text import text_table
+from stator.plan.text import text_table, unbound_devices
 from stator.prove.budget_file import Row, counted, file_text, join, own, read_rows
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
     from stator.graph.model import Board, Node
 
-EMULATED_BOARD = "qemu_f405"
+EMULATED_BOARD = "qemu_f405"  # of images that the emulator of their own chip cannot fly
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -44,8 +45,9 @@ def main(arguments: argparse.Namespace) -> int:
             f"instruction takes\nhint: add `costs:` with `instruction_ns:` to "
             f"{shown_path(board.file)}"
         )
-    emulated = make_plan(arguments.graph, EMULATED_BOARD).board
-    figures = _fly(arguments.graph, shlex.split(arguments.flight))
+    flies_itself = board.name == chip.BOARD and not unbound_devices(plan)
+    emulated = board if flies_itself else make_plan(arguments.graph, EMULATED_BOARD).board
+    figures = _fly(arguments.graph, emulated.name, shlex.split(arguments.flight))
     new: dict[str, Row] = {}
     missing: dict[str, str] = {}
     for row in figures:
@@ -69,10 +71,10 @@ def main(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _fly(graph: str, options: list[str]) -> list[dict[str, Any]]:
-    command = [sys.executable, "-m", "stator", "emulate", graph, "--no-record", "--figures"]
+def _fly(graph: str, board: str, options: list[str]) -> list[dict[str, Any]]:
+    command = [sys.executable, "-m", "stator", "emulate", graph, "--board", board, "--no-record"]
     finished = subprocess.run(
-        [*command, "--json", *options], stdout=subprocess.PIPE, text=True, check=False
+        [*command, "--figures", "--json", *options], stdout=subprocess.PIPE, text=True, check=False
     )
     if finished.returncode >= NOT_DONE or not finished.stdout:
         raise UserError("error: the emulated flight did not end; its message is above")

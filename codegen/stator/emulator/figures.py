@@ -14,21 +14,27 @@ FIGURES = "figures"  # boards/qemu_f405/link.hpp
 _HEAD = "stator: task "
 
 
-def figures_in(console: str, plan: Plan) -> list[dict[str, Any]]:
-    """In the order of the plan."""
-    rows = [
+def printed_rows(console: str) -> list[list[int]]:
+    """What the firmware printed: of each task its activations, and the longest execution and
+    response, in ticks of its clock and in microseconds."""
+    return [
         [int(word, 16) for word in line.removeprefix(_HEAD).split()]
         for line in console.splitlines()
         if line.startswith(_HEAD)
     ]
+
+
+def figures_of(rows: list[list[int]], plan: Plan, tick_hz: int) -> list[dict[str, Any]]:
+    """`rows`: in the order of the plan."""
+    instructions_hz = 1_000_000_000 >> SHIFT
     return [
         {
             "task": task.node.name,
             "activations": activations,
-            "instructions": ticks_ns >> SHIFT,
+            "instructions": round(ticks * instructions_hz / tick_hz),
             "response_us": latest_us if plan.is_timed(task.node.name) else None,
         }
-        for task, (activations, ticks_ns, latest_us) in zip(plan.tasks, rows, strict=True)
+        for task, (activations, ticks, latest_us) in zip(plan.tasks, rows, strict=True)
     ]
 
 

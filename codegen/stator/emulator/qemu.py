@@ -27,6 +27,7 @@ RECORDS_BYTES = 4096 + 16384  # the head, and the memory
 MACHINE = "olimex-stm32-h405"
 # 8 ns for every instruction; this is not the timing of the chip: docs/emulation.md
 SHIFT = 3
+TICK_HZ = 1_000_000_000  # of the clock that measures tasks there
 END_S = 10.0  # the time in which one side must notice that the other has ended
 
 

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from stator import HOME
 from stator.arguments import add_verbose_argument, path
-from stator.build.cmake import RECORDING
 from stator.diagnostics import UserError, shown_path
 from stator.flight.faults import Fault, read_faults, unseen
 from stator.flight.invariants import Setting
@@ -354,12 +353,9 @@ def times_of(arguments: argparse.Namespace) -> list[str]:
 
 def recording_of(arguments: argparse.Namespace) -> dict[str, str]:
     """The CMake variables of a recorded flight. Raises `UserError` if its logger is too slow."""
-    from stator.emit.recording import check_recording_rate
+    from stator.build.image import recording_of as variant_of
 
-    if not is_recorded(arguments):
-        return {}
-    check_recording_rate(plan_of(arguments))
-    return RECORDING
+    return variant_of(plan_of(arguments)) if is_recorded(arguments) else {}
 
 
 def is_recorded(arguments: argparse.Namespace) -> bool:

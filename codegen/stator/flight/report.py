@@ -156,6 +156,10 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         if facts.get("missed_samples"):
             counts += f", {facts['missed_samples']} missed by devices"
         rows.append(("run", f"{speed}; {counts}"))
+    if facts.get("image"):
+        flash = "./stator flash --record" if facts["recording"] else "./stator flash"
+        image = f"{shown_path(Path(str(facts['image'])))}, as {flash} writes it"
+        rows += [("image", image), ("image", f"SHA-256 {facts['image_sha256']}")]
     rows += [*log_rows(facts), *watch_rows(facts)]
     crash = facts.get("crash")
     if isinstance(crash, dict):

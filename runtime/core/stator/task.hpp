@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "stator/task_counters.hpp"
 #include "stator/topic.hpp"
 
 namespace stator {
@@ -115,17 +116,6 @@ concept Steps = requires(Node& node, Ports& ports) {
 constexpr uint64_t later(uint64_t a, uint64_t b) {
     return a < b ? b : a;
 }
-
-// Counts for `top`, the report and the proof's watch; modulo 2^32.
-struct TaskCounters {
-    uint32_t activations = 0;   // the monitor reads it at any time
-    uint32_t lost_samples = 0;  // missed by inputs, refused to outputs
-    // Where the executor measures. In ticks of its clock, without what interrupted the task:
-    uint32_t ticks = 0;  // the sum, modulo 2^32
-    uint32_t last_ticks = 0;
-    uint32_t most_ticks = 0;
-    uint32_t latest_us = 0;  // longest from `now` to the end
-};
 
 // Publications that were refused, as they exceeded the `burst` of their output; of all tasks.
 struct RefusedPublications {

@@ -186,6 +186,54 @@ TEST_F(Timed, the_clock_of_the_graph_counts_microseconds) {
     EXPECT_NEAR(timer.us() - begin_us, 123'456, 1);
 }
 
+// As the emulator reads it (boards/qemu_machine): the same count that the chip says.
+TEST_F(Timed, a_count_that_was_read_is_known_while_the_timer_runs) {
+    const stm32f4::MicrosecondTimer timer;
+    timer.start();
+    EXPECT_EQ(chip.known(chip.visible_ns())[0].divider, 0U);
+    static_cast<void>(timer.us());
+    const wire::Counter known = chip.known(chip.visible_ns())[0];
+    EXPECT_EQ(known.address, 0x40000C24U);
+    EXPECT_GT(known.until_ns, chip.now_ns() + 4'000'000'000'000);
+    for (const uint64_t us : {1U, 7U, 1'000U, 999'999U}) {
+        wait_us(us);
+        const uint32_t said = timer.us();
+        const uint64_t clocks = (chip.now_ns() - known.from_ns) * known.clock_hz / 1'000'000'000;
+        EXPECT_EQ(known.first + clocks / known.divider, said);
+    }
+    write(kApb1Enable, read(kApb1Enable) & ~(1U << 3));
+    EXPECT_EQ(chip.known(chip.visible_ns())[0].divider, 0U);
+}
+
+TEST_F(OnChip, a_flag_that_was_read_is_known_until_it_may_change) {
+    write(kRccCr, read(kRccCr) | 1U << 16);  // HSEON
+    const uint32_t waiting = read(kRccCr);
+    const uint64_t visible_ns = chip.visible_ns();
+    const wire::Counter known = chip.known(visible_ns)[1];
+    EXPECT_EQ(known.address, kRccCr);
+    EXPECT_EQ(known.first, waiting);
+    EXPECT_EQ(known.divider, 1U);
+    EXPECT_EQ(known.until_ns, visible_ns);
+    chip.move(visible_ns);
+    EXPECT_EQ(chip.known(chip.visible_ns())[1].divider, 0U);
+    EXPECT_NE(read(kRccCr), waiting);
+    // Not what a read, or what happens unseen, changes.
+    static_cast<void>(read(0x40023C00));
+    EXPECT_EQ(chip.known(chip.visible_ns())[1].divider, 0U);
+}
+
+TEST_F(OnChip, what_the_processor_cannot_notice_is_not_visible_but_happens) {
+    int happened = 0;
+    chip.at(
+        1000, [&] { ++happened; }, Effect::kUnseen);
+    chip.at(2000, [&] { ++happened; });
+    EXPECT_EQ(chip.visible_ns(), 2000U);
+    chip.move(1500);
+    EXPECT_EQ(happened, 1);
+    chip.move(2000);
+    EXPECT_EQ(happened, 2);
+}
+
 TEST_F(Timed, a_pulse_has_the_width_of_its_compare_value_from_the_next_period_on) {
     write(kApb1Enable, read(kApb1Enable) | 1U << 2);  // TIM4
     std::vector<uint64_t> high_us;
@@ -383,6 +431,24 @@ TEST_F(Line, a_byte_comes_in_and_one_too_many_is_an_overrun) {
     EXPECT_EQ(read(kDr), static_cast<uint32_t>('x'));
     EXPECT_FALSE(is_raised(38));
     EXPECT_EQ(read(kSr) & 0x28, 0U);
+}
+
+TEST_F(Line, with_eightfold_sampling_bit_3_of_the_divider_is_reserved) {
+    EXPECT_EQ(broken_by([&] { write(kCr1, 0xA02C); }),
+              "USART2: BRR has bit 3 with eightfold sampling (30.6.3)");
+}
+
+TEST_F(Line, with_eightfold_sampling_a_bit_is_an_eighth_of_what_the_divider_says) {
+    std::string sent;
+    chip.usart("USART2").watch([&](uint8_t byte) { sent += static_cast<char>(byte); });
+    write(kCr1, 0);
+    write(kBrr, 0x12);  // 8 + 2 clocks a bit: 2.38 us a byte
+    write(kCr1, 0xA00C);
+    write(kDr, 'a');
+    chip.move(chip.now_ns() + 2'330);
+    EXPECT_EQ(sent, "");
+    chip.move(chip.now_ns() + 60);
+    EXPECT_EQ(sent, "a");
 }
 
 TEST_F(Line, a_byte_without_room_is_refused) {

@@ -110,10 +110,15 @@ def test_a_graph_whose_devices_have_no_driver_is_refused(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     needs_toolchain()
-    assert cli.main(["flash", str(HOME / "graph" / "quad.yaml"), "--board", "fmu_v2"]) == 2
-    assert (
-        "error: cannot flash this image: board fmu_v2 has no driver for mocap0, log_storage\n"
-    ) in capsys.readouterr().err
+    graph = HOME / "graph" / "quad_outdoor.yaml"
+    assert cli.main(["flash", str(graph), "--board", "fmu_v2", "--unproven"]) == 2
+    expected = "error: cannot flash this image: board fmu_v2 has no driver for mag0, "
+    assert expected in capsys.readouterr().err
+
+
+def test_a_graph_without_a_logger_cannot_record(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("--record", "--dry-run") == 2
+    assert "error: --record: missing node of app 'logger' in " in capsys.readouterr().err
 
 
 def test_what_is_not_proven_is_refused_before_anything_is_built(

@@ -88,9 +88,10 @@ def test_each_planted_fault_is_found(
 @pytest.mark.parametrize(
     ("graph", "board", "flash_kb", "ram_kb"),
     [
-        ("quad", "fmu_v2", 68, 16),  # 5 KB of it: IMU, bus, DMA, motor outputs
+        # 9 KB of it: IMU, bus, DMA, motor outputs, motion capture, log; 16 KB of RAM for its line.
+        ("quad", "fmu_v2", 72, 34),
         ("quad", "qemu_f405", 80, 16),
-        ("quad_can", "fmu_v2", 160, 64),
+        ("quad_can", "fmu_v2", 160, 68),
     ],
 )
 def test_the_quad_has_no_fault(graph: str, board: str, flash_kb: int, ram_kb: int) -> None:
@@ -123,7 +124,7 @@ def test_mavlink_and_parameters_fit() -> None:
     assert faults_of(image, plan(*check(graph)).graph.nodes) == []
     flash, ram = total_of(image)
     assert flash < 272 * 1024
-    assert ram < 64 * 1024
+    assert ram < 80 * 1024  # 16 KB of it for the line that takes the log
     assert sizes_of(image)["mavlink"][0] < 40 * 1024
 
 

@@ -3,15 +3,14 @@
 #include "parts/mpu6000.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/mman.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "imu_mpu6000.hpp"
+#include "mapped_ram.hpp"
 #include "stator/registers.hpp"
 #include "stator/testing.hpp"
 #include "stm32f4/clock_tree.hpp"
@@ -22,22 +21,7 @@
 namespace stator::drivers::imu::mpu6000 {
 namespace {
 
-// The chip's RAM is memory of this process at the same address, as DMA gets pointers.
-class Ram : public chip::Memory {
-  public:
-    static constexpr uintptr_t kAt = 0x20000000;
-    static uint8_t* bytes() {
-        static void* const mapped = mmap(reinterpret_cast<void*>(kAt), 4096, PROT_READ | PROT_WRITE,
-                                         MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0);
-        return static_cast<uint8_t*>(mapped);
-    }
-    void fetch(uint32_t address, std::span<uint8_t> to) override {
-        std::copy_n(bytes() + (address - kAt), to.size(), to.begin());
-    }
-    void store(uint32_t address, std::span<const uint8_t> from) override {
-        std::ranges::copy(from, bytes() + (address - kAt));
-    }
-};
+using Ram = chip::MappedRam;
 struct Sent {
     static inline uint8_t* const bytes = Ram::bytes();
 };

@@ -1,21 +1,21 @@
-// Storage of a simulated board.
-#include "storage_sim.hpp"
+// Storage at the other end of a line.
+#include "storage_stream.hpp"
 
 #include <algorithm>
 
-namespace stator::drivers::storage::sim {
+namespace stator::drivers::storage::stream {
 
-void StorageSim::step(StoragePorts& ports) {
+void StorageStream::step(StoragePorts& ports) {
     if (ports.block.next()) append(*ports.block);
     if (!ports.request.next() || ports.request->file != FileRequest::File::kLog) return;
     ports.piece.publish(
         [&] { return FilePiece{.tag = ports.request->tag, .result = FilePiece::Result::kAbsent}; });
 }
 
-void StorageSim::append(const LogBlock& block) {
+void StorageStream::append(const LogBlock& block) {
     if (device_.append == nullptr) return;
     const size_t length = std::min<size_t>(block.length, block.data.size());
     if (!device_.append(block.data.data(), length)) ++device_.errors;
 }
 
-}  // namespace stator::drivers::storage::sim
+}  // namespace stator::drivers::storage::stream

@@ -1,5 +1,5 @@
-// Storage of a simulated board: hands log blocks to the board as they come, which cannot be read
-// again.
+// Storage at the other end of a line: hands log blocks to the board as they come; they cannot be
+// read again.
 #pragma once
 
 #include <cstddef>
@@ -7,18 +7,18 @@
 
 #include "storage_ports.hpp"
 
-namespace stator::drivers::storage::sim {
+namespace stator::drivers::storage::stream {
 
-class StorageSim {
+class StorageStream {
   public:
     // The board puts its function here, which says whether it stored all; without one, blocks are
     // dropped, as with no card in the slot.
     struct Device {
+        uint32_t errors = 0;  // blocks that were not stored; a debugger finds it at the begin
         bool (*append)(const uint8_t* bytes, size_t count) = nullptr;
-        uint32_t errors = 0;  // blocks that were not stored
     };
 
-    explicit StorageSim(Device& device) : device_(device) {}
+    explicit StorageStream(Device& device) : device_(device) {}
     void step(StoragePorts& ports);
 
   private:
@@ -27,4 +27,4 @@ class StorageSim {
     Device& device_;
 };
 
-}  // namespace stator::drivers::storage::sim
+}  // namespace stator::drivers::storage::stream
