@@ -5,6 +5,7 @@
 #include "devices.hpp"
 #include "flight.hpp"
 #include "hand_over.hpp"
+#include "links_of_flight.hpp"
 #include "outside.hpp"
 #include "sensors.hpp"
 #include "stator/virtual.hpp"
@@ -167,7 +168,7 @@ bool truth_is_whole() {
 
 std::uint64_t next_event_us() {
     if (outside != nullptr) return outside->next_event_us(executor.now_us);
-    return std::min(the_world->next_event_us(), can_bus.next_event_us());
+    return std::min({the_world->next_event_us(), can_bus.next_event_us(), next_link_event_us()});
 }
 
 bool is_over() {
@@ -183,8 +184,13 @@ void advance(std::uint64_t now_us) {
         return;
     }
     while (next_event_us() <= now_us) {
-        if (can_bus.next_event_us() < the_world->next_event_us()) {
+        if (can_bus.next_event_us() <
+            std::min(the_world->next_event_us(), next_link_event_us())) {
             finish_can_frame();
+            continue;
+        }
+        if (next_link_event_us() < the_world->next_event_us()) {
+            take_link_event();
             continue;
         }
         the_world->move_to_next_event();

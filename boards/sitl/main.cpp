@@ -18,6 +18,7 @@
 
 #include "devices.hpp"
 #include "flight.hpp"
+#include "links_of_flight.hpp"
 #include "lockstep.hpp"
 #include "stator/host.hpp"
 #include "stator/recording.hpp"
@@ -256,6 +257,7 @@ int main(int count, char** arguments) {
         }
     }
     if (!silence_nodes(options.conditions.faults)) return 2;
+    if (!board::prepare_links(options.conditions)) return 2;
     std::optional<board::Outside> outside;
     if (options.hil == nullptr) {
         board::prepare(options.conditions, options.vehicle, mission, truth);

@@ -103,7 +103,9 @@ function(stator_add_nodes target folder)
     target_link_libraries(${target}_interfaces
         INTERFACE stator_${graph_executor} stator_flags stator_math stator_dronecan stator_mavlink stator_bytes)
     if(NOT graph_executor STREQUAL "replay")  # which has ports of its own, and no logger
-        target_link_libraries(${target}_interfaces INTERFACE stator_log stator_parameter_port)
+        target_link_libraries(${target}_interfaces INTERFACE stator_log stator_parameter_port stator_machines)
+    else()
+        target_include_directories(${target}_interfaces INTERFACE "${CMAKE_SOURCE_DIR}/runtime/machines")
     endif()
 
     if(STATOR_WALLS)

@@ -9,12 +9,20 @@ from stator.emit.emit import EXECUTORS, emit, emit_apps, emit_replay
 from stator.graph.check import check
 from stator.graph.interfaces import find_app
 from stator.graph.sources import Sources
+from stator.machines.cut import join
+from stator.machines.links import check_links
 from stator.plan.plan import Plan, plan
 
 
 def make_plan(graph: str, board: str | None) -> Plan:
     """Loads, checks and plans the graph file. Raises `Failed`."""
-    return plan(*check(Path(graph), board))
+    checked, bound = check(Path(graph), board)
+    if checked.machines:
+        checked, bound = join(checked, bound)
+        report = Report()
+        check_links(checked, report)
+        report.stop_on_errors()
+    return plan(checked, bound)
 
 
 def make_buildable_plan(graph: str, board: str | None) -> Plan:
@@ -24,6 +32,11 @@ def make_buildable_plan(graph: str, board: str | None) -> Plan:
         raise UserError(
             f"error: cannot build for board '{made.board.name}': its executor "
             f"{made.board.executor} is not implemented\nhint: add --board sitl"
+        )
+    if made.graph.wires and made.board.executor != "virtual":
+        raise UserError(
+            f"error: cannot build for board '{made.board.name}': graph {made.graph.name} has "
+            "several machines, which fly in virtual time only\nhint: add --board sitl"
         )
     return made
 

@@ -20,7 +20,6 @@ RULES = {
     "out-of-range": "a number, or a count of items, is outside its range",
     "bad-name": "invalid name",
     "reserved-name": "a name that C++, the C library or the runtime uses",
-    "reserved-key": "a key that is reserved for a later version",
     # quantities
     "unit-missing": "a number without its unit",
     "unit-unknown": "an unknown unit, or a unit of another quantity",
@@ -121,6 +120,20 @@ RULES = {
     "mode-repeat": "a mode names a node twice",
     "chain-node": "a chain names an unknown node",
     "chain-link": "two neighbours in a chain share no topic",
+    # machines
+    "machine-unknown": "unknown machine",
+    "machine-first": "the first machine does not fit the graph, or another one has no link to it",
+    "machine-apart": "nodes that belong together are on several machines",
+    "link-device": "a link needs a free serial line at both ends",
+    "link-wake-up": "nothing bounds the time in which a machine serves its link",
+    "link-missing": "no link between the machines of a topic's publisher and its reader",
+    "link-age": "an input from another machine has no `max_age`",
+    "link-queue": "an input from another machine reads a queue",
+    "link-load": "a link has more to carry than it can",
+    "link-body": "a message is too large for a frame of a link",
+    "link-rate": "the rate of a topic on a link is unknown",
+    "topic-machines": "a topic is published on several machines",
+    "standby": "a standby that cannot take over",
     "budget-node": "a budget names an unknown node, which resembles a known one",
 }
 

@@ -16,6 +16,7 @@ ROOMS = (
         "language",
         "graph",
         "plan",
+        "machines",
         "prove",
         "emit",
         "pipeline",

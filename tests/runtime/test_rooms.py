@@ -26,6 +26,7 @@ MAY_USE = {
     "parameters": ("core", "bytes"),
     "link": ("core", "watch", "bytes"),
     "log": ("core", "watch", "parameters", "recording", "bytes"),
+    "machines": ("core", "link", "bytes"),
     "virtual": ("core", "watch", "host"),
     "pthread": ("core", "watch", "link", "host"),
     "cortex_m": ("core", "watch", "link", "bytes"),

@@ -51,6 +51,11 @@ enum class FaultKind : std::uint8_t {
     kSag,         // VALUE times the voltage
     kWeakSupply,  // no more than VALUE amperes
     kDead,        // no voltage
+    // Of the links between machines.
+    kCut,  // nothing comes through; kNoise: VALUE is the part of all bytes that is damaged
+    // Of a machine.
+    kKill,    // it stops, and starts again as at first
+    kFreeze,  // it stops, and goes on where it stopped
     // Of the wind.
     kWindSpeed,  // VALUE m/s more
 };

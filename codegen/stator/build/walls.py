@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 # Rooms of the runtime that a node sees. Its ports include others, which are not for it.
 ROOMS = ("core", "math", "dronecan", "mavlink", "bytes")
+OF_DRIVERS = ("machines",)  # those that only drivers see
 
 # A driver's part of the simulated world, which generated code includes.
 OF_WORLD = "_world.hpp"
@@ -132,6 +133,10 @@ def room_of(file: Path) -> Room:
     return Room("", file.parent)
 
 
+def _rooms_for(kind: str) -> tuple[str, ...]:
+    return (*ROOMS, *OF_DRIVERS) if kind == "driver" else ROOMS
+
+
 class Walls:
     """Collects errors, and every file that was read."""
 
@@ -212,7 +217,7 @@ class Walls:
     ) -> None:
         name, kind = include.name, node.kind
         sees = f"{kind}s see their own folder, their ports and these ports' messages, and " + (
-            ", ".join(f"runtime/{room}" for room in ROOMS)
+            ", ".join(f"runtime/{room}" for room in _rooms_for(kind))
         )
         if found is not None:
             room = room_of(found)
@@ -227,7 +232,7 @@ class Walls:
                     f"add a port with this message to the interface; {sees}",
                 )
         elif name.startswith("stator/"):
-            if any((HOME / "runtime" / room / name).is_file() for room in ROOMS):
+            if any((HOME / "runtime" / room / name).is_file() for room in _rooms_for(kind)):
                 return
             if not _room_of_runtime(name):
                 self._missing(include, node)
@@ -245,7 +250,7 @@ class Walls:
 
     def _missing(self, include: Include, node: Node) -> None:
         known = _names_in(node.folder) | _names_in(node.ports)
-        for room in ROOMS:
+        for room in _rooms_for(node.kind):
             known |= {f"stator/{name}" for name in _names_in(HOME / "runtime" / room / "stator")}
         self._error(
             include.mark,

@@ -10,6 +10,7 @@ from stator.arguments import add_graph_arguments, add_verbose_argument
 from stator.build.cmake import RECORDING, build
 from stator.diagnostics import ANSWER_IS_NO, Failed, show_errors, shown_path
 from stator.graph.vehicle import check_vehicle
+from stator.machines.links import link_lines
 from stator.pipeline import make_plan
 from stator.plan.text import show_notes
 
@@ -75,6 +76,8 @@ def main(arguments: argparse.Namespace) -> int:
         f"{_count(levels, 'level')}, {_count(len(plan.topics), 'topic')} in {slot_bytes} bytes of "
         f"slots, board {plan.board.name}"
     )
+    for line in link_lines(plan.graph):
+        print(line)
     show_notes(plan)
     return 0
 

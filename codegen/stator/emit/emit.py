@@ -14,7 +14,7 @@ import jinja2
 
 from stator import HOME
 from stator.diagnostics import Mark, UserError
-from stator.emit import cortex_m, devices, metadata, pthread, recording, rows, vehicles
+from stator.emit import bridges, cortex_m, devices, metadata, pthread, recording, rows, vehicles
 from stator.emit import parameters as params
 from stator.emit import tasks as emit_tasks
 from stator.names import snake
@@ -89,7 +89,7 @@ def emit(plan: Plan, *, record: bool = False) -> dict[str, str]:
         files["executor.cpp"] = _render(
             f"executor_{plan.board.executor}.cpp.j2", graph, tasks=tasks, program=rows.program(plan)
         )
-    files |= _devices(plan)
+    files |= _devices(plan) | _bridges(plan)
     files["plan.txt"] = plan_text(plan)
     files["graph.cmake"] = _render("graph.cmake.j2", graph, build=rows.build(plan, files))
     return files
@@ -113,6 +113,7 @@ def emit_replay(plan: Plan) -> dict[str, str]:
         files["parameter_table.cpp"] = _render("parameter_table.cpp.j2", graph, table=table)
     if metadata.is_read(plan):
         files["metadata.cpp"] = _render("metadata.cpp.j2", graph, files=metadata.files(plan))
+    files |= _bridges(plan)
     files["replay_tasks.hpp"] = _render("replay_tasks.hpp.j2", graph, tasks=tasks)
     for task in tasks:
         files[f"tasks/{task.name}.cpp"] = _render("replay_task.cpp.j2", task.mark, task=task)
@@ -170,6 +171,20 @@ def _devices(plan: Plan) -> dict[str, str]:
     lines = vehicles.world_lines(vehicle)
     name = "world_vehicle.hpp"
     return files | {name: _render(f"{name}.j2", _start(vehicle.file), lines=lines)}
+
+
+def _bridges(plan: Plan) -> dict[str, str]:
+    """The nodes between machines, and what a board has of the links."""
+    files = {}
+    for node in plan.graph.nodes.values():
+        if node.interface.bridge is not None:
+            row = bridges.bridge(plan, node)
+            template = f"bridge_{row.kind}.hpp.j2"
+            files[row.file] = _render(template, node.mark, bridge=row)
+    if plan.graph.wires:
+        row = bridges.links(plan)
+        files["links.hpp"] = _render("links.hpp.j2", _start(plan.graph.file), links=row)
+    return files
 
 
 def _cortex_m(plan: Plan, tasks: list[TaskRow]) -> dict[str, str]:

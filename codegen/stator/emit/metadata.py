@@ -74,9 +74,8 @@ def plain_crc(data: bytes) -> int:
 def parameters_json(plan: Plan) -> bytes:
     described = [
         _described(node, param)
-        for node in plan.graph.nodes.values()
+        for node in plan.graph.changeable.values()
         for param in node.interface.params.values()
-        if node.params
     ]
     described.sort(key=lambda entry: str(entry["name"]))
     return _text({"version": 1, "parameters": described})

@@ -78,10 +78,10 @@ def published(plan: Plan, node: Node) -> list[PublishedRow]:
 
 def table(plan: Plan) -> ParameterTable | None:
     """None: no node of the graph publishes parameters."""
-    publisher = next((n for n in plan.graph.nodes.values() if n.interface.publishes_params), None)
+    publisher = plan.graph.params_publisher
     if publisher is None:
         return None
-    nodes = [node for node in plan.graph.nodes.values() if node.params]
+    nodes = list(plan.graph.changeable.values())
     places = sorted(
         (id_of(node.name, param), i, node, param)
         for i, node in enumerate(nodes)

@@ -544,7 +544,7 @@ def _apps(plan: Plan) -> dict[str, Interface]:
     return {
         node.interface.name: node.interface
         for node in plan.graph.nodes.values()
-        if node.device is None
+        if node.device is None and node.interface.bridge is None
     }
 
 

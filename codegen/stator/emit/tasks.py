@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stator.emit import devices
+from stator.emit import bridges, devices
 from stator.emit.readers import is_gated, is_outranked, is_woken
 from stator.emit.recording import blocks_with_recording
 from stator.emit.rows import pend
@@ -20,7 +20,7 @@ from stator.plan.plan import owns_its_vector
 if TYPE_CHECKING:
     from stator.diagnostics import Mark
     from stator.emit.recording import TaskRecording
-    from stator.graph.model import Node, Trigger
+    from stator.graph.model import Interface, Node, Trigger
     from stator.plan.plan import Plan, Task
 
 
@@ -97,6 +97,7 @@ class TaskRow:
     keeps_now: bool
     is_gated: bool
     switches_mode: bool
+    is_restarted: bool  # its machine can be started again in virtual time
     recorded: TaskRecording | None
 
     @property
@@ -161,7 +162,7 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
     interface = node.interface
     device = plan.board.devices[node.device] if node.device is not None else None
     driver = device.driver if device is not None else ""
-    header = f"apps/{interface.name}/{interface.name}" if device is None else devices.header(driver)
+    header, class_name = _class(interface, driver)
     modes = plan.graph.modes
     is_bound = device is None or driver != "none"
     entry = [t for t in node.triggers if is_bound and owns_its_vector(plan, planned)]
@@ -174,9 +175,7 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
         name=node.name,
         mark=node.mark,
         header=f"{header}.hpp",
-        class_name=f"apps::{interface.name}::{interface.class_name}"
-        if device is None
-        else devices.class_name(driver),
+        class_name=class_name,
         is_bound=is_bound,
         device=node.device or "",
         ports=f"{interface.namespace}::{interface.class_name}Ports",
@@ -212,8 +211,19 @@ def task(plan: Plan, planned: Task, recorded: TaskRecording | None) -> TaskRow:
         keeps_now=keeps_now,
         is_gated=is_gated(plan, planned),
         switches_mode=modes is not None and modes.publisher == node.name,
+        is_restarted=bridges.is_restarted(plan, node),
         recorded=recorded,
     )
+
+
+def _class(interface: Interface, driver: str) -> tuple[str, str]:
+    """Header, without its end, and class of a node; of a device's its driver's."""
+    if interface.bridge is not None:
+        return bridges.header(interface), bridges.class_name(interface)
+    if driver:
+        return devices.header(driver), devices.class_name(driver)
+    name = interface.name
+    return f"apps/{name}/{name}", f"apps::{name}::{interface.class_name}"
 
 
 _KINDS = ("trigger", "thinned", "latest", "queue")

@@ -62,7 +62,18 @@ OF_SENSOR = {
 NODE = "node"
 OF_NODE = {"stuck": NONE}  # it does not run, and its outputs keep what they have
 OF_SERVO = {"loss": NONE, "stuck": NONE}  # it hangs in the wind, or stays where it is
+LINK = "link"
+MACHINE = "machine"
+OF_LINK = {"cut": NONE, "noise": Usual(1e-4, most=1.0)}  # of all links; noise: damaged bytes
+OF_MACHINE = {"kill": NONE, "freeze": NONE}  # it starts again as at first, or goes on
 OF_MOTOR = {"loss": NONE, "partial": Usual(0.5, most=1.0), "stuck": NONE}
+OF_OTHERS = {
+    "motor": OF_MOTOR,
+    "servo": OF_SERVO,
+    NODE: OF_NODE,
+    LINK: OF_LINK,
+    MACHINE: OF_MACHINE,
+}
 SPECIAL: dict[str, dict[str, Usual]] = {
     "gnss": {
         "loss": NONE,
@@ -132,7 +143,7 @@ class Fault:
 
     @property
     def takes_steering_away(self) -> bool:
-        return self.device_class in ("motor", "servo", "wind", NODE) or (
+        return self.device_class in ("motor", "servo", "wind", NODE, LINK, MACHINE) or (
             self.device_class == "battery" and self.name in ("low", "sag", "weak_supply", "dead")
         )
 
@@ -181,15 +192,14 @@ class Faults:
         if has_motors:
             self.classes |= {f"motor_{i + 1}": "motor" for i in range(self.motors)}
         self.classes["wind"] = "wind"
+        if plan.graph.wires:
+            machines = list(plan.graph.machines)[1:]
+            self.classes |= {LINK: LINK} | dict.fromkeys(machines, MACHINE)
 
     def of_part(self, part: str) -> dict[str, Usual]:
         kind = self.classes[part]
-        if kind == "motor":
-            return OF_MOTOR
-        if kind == "servo":
-            return OF_SERVO
-        if kind == NODE:
-            return OF_NODE
+        if kind in OF_OTHERS:
+            return OF_OTHERS[kind]
         known = dict(SPECIAL.get(kind, {}))
         quantities = QUANTITIES.get(kind, {})
         if quantities:
@@ -212,7 +222,7 @@ class Faults:
         for part, kind in self.classes.items():
             if kind == NODE:
                 continue
-            names = list(SPECIAL.get(kind, {"motor": OF_MOTOR, "servo": OF_SERVO}.get(kind, {})))
+            names = list(SPECIAL.get(kind, OF_OTHERS.get(kind, {})))
             quantities = QUANTITIES.get(kind, {})
             if quantities:
                 names += [*OF_SENSOR, *OF_QUANTITY]

@@ -11,6 +11,7 @@ from stator import HOME
 from stator.collector import without_collector
 from stator.diagnostics import Mark, Report
 from stator.graph.boards import find_board
+from stator.graph.checks.machines import check_machines, read_machines
 from stator.graph.checks.names import check_generated_names
 from stator.graph.checks.nodes import read_nodes
 from stator.graph.checks.parts import read_chains, read_modes
@@ -61,10 +62,12 @@ def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
     if vehicle is None:
         report.stop_on_errors()  # parameters lack their values: do not report those
     own, board = _boards(record, board_name, sources)
-    nodes = read_nodes(record, own, board, sources, _budgets(path, board, record, sources))
+    machines = read_machines(record, own, board, sources)
+    nodes = read_nodes(record, machines, sources, _budgets(path, board, record, sources))
     topics = connect(record, nodes, report)
     modes = read_modes(record, nodes, report)
     chains = read_chains(record, nodes, report)
+    check_machines(machines, nodes.good, topics, modes, chains, report)
     if board is not None:
         check_generated_names(nodes.good, topics, board, report)
         check_replaced(nodes.good.values(), board, sources, report)
@@ -83,6 +86,7 @@ def check(path: Path, board_name: str | None = None) -> tuple[Graph, Board]:
         modes=modes,
         chains=chains,
         files=tuple(dict.fromkeys([*composer.files, *sources.files])),
+        machines=machines.good,
     )
     return graph, board
 

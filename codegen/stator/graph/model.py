@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 
@@ -109,6 +109,30 @@ class Failsafe:
 
 
 @dataclass(frozen=True)
+class BridgeTopic:
+    """What one topic is to a node that the compiler generates between machines."""
+
+    port: str
+    message: Message
+    max_age_us: int  # at the reading end
+    period_us: Fraction | None  # mean, if known
+
+
+@dataclass(frozen=True)
+class Bridge:
+    """Of a generated node: the sender or the receiver of a link's end, or the selector of a
+    standby."""
+
+    kind: str  # sender, receiver, selector
+    link: str  # LINK of the class's name in C++, for people; of a selector: the node
+    topics: tuple[BridgeTopic, ...]  # on a link: most urgent first; their places are their numbers
+    cut: str  # what both ends must agree on, as text
+
+    def period_of(self, port: str) -> Fraction | None:
+        return next((t.period_us for t in self.topics if t.port == port), None)
+
+
+@dataclass(frozen=True)
 class Interface:
     """The ports of an app or of a device class."""
 
@@ -127,6 +151,7 @@ class Interface:
     double_precision: str  # why it is needed; empty: it is not used
     failsafe: Failsafe | None
     params_message: Message | None
+    bridge: Bridge | None = None
 
     @property
     def is_observer(self) -> bool:
@@ -248,6 +273,33 @@ class NodeOutput:
 
 
 @dataclass(frozen=True)
+class Link:
+    """The wire to another machine."""
+
+    to: str
+    here: str  # devices
+    there: str
+    baud: int
+    wake_up_us: int  # of the machine that has the link; 0: an interrupt serves it
+    mark: Mark
+
+
+@dataclass(frozen=True)
+class Machine:
+    name: str
+    board: Board
+    link: Link | None  # None: the first machine
+    mark: Mark
+
+
+@dataclass(frozen=True)
+class Standby:
+    machine: str
+    max_age_us: int | None
+    mark: Mark
+
+
+@dataclass(frozen=True)
 class Node:
     name: str
     interface: Interface
@@ -260,6 +312,8 @@ class Node:
     outputs: dict[str, NodeOutput]
     params: dict[str, Value]
     mark: Mark
+    machine: str = ""  # empty: the graph has one machine
+    standby: Standby | None = None
 
     @property
     def budget_us(self) -> int | None:
@@ -283,6 +337,8 @@ class TopicConfig:
     depth: int | None
     many_publishers: bool
     mark: Mark | None
+    link_every_us: int | None = None
+    link_priority: int | None = None
 
 
 @dataclass(frozen=True)
@@ -310,6 +366,16 @@ class Chain:
 
 
 @dataclass(frozen=True)
+class Wire:
+    """A link with the devices that stand for its ends."""
+
+    near: str  # the end of the machine that has the link
+    far: str
+    near_machine: str
+    link: Link
+
+
+@dataclass(frozen=True)
 class Graph:
     name: str
     file: Path
@@ -321,3 +387,20 @@ class Graph:
     modes: Modes | None
     chains: tuple[Chain, ...]
     files: tuple[Path, ...]  # everything that was read
+    machines: dict[str, Machine] = field(default_factory=dict)  # none: there is one
+    wires: tuple[Wire, ...] = ()  # of the links, once the compiler has cut the graph
+
+    @property
+    def params_publisher(self) -> Node | None:
+        """The node that changes parameters while the graph runs."""
+        return next((n for n in self.nodes.values() if n.interface.publishes_params), None)
+
+    @property
+    def changeable(self) -> dict[str, Node]:
+        """The nodes whose parameters it changes: those of its own machine."""
+        publisher = self.params_publisher
+        return {
+            node.name: node
+            for node in self.nodes.values()
+            if publisher is not None and node.params and node.machine == publisher.machine
+        }

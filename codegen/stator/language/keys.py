@@ -72,7 +72,6 @@ UNIT = UnitText(
     "a unit",
     hint='write one short line, for example m/s^2, or "1" for no unit',
 )
-_LATER = "this version supports one machine per graph"
 
 INCLUDE = Struct(
     {
@@ -123,6 +122,47 @@ INPUT = Short(
     ),
 )
 
+STANDBY = Short(
+    "machine",
+    Struct(
+        {
+            "machine": Key(Name("a machine"), "The machine that runs the copy.", required=True),
+            "max_age": Key(
+                Period(),
+                "The selector gives up the node when an output is older than this; if left out, "
+                "the smallest `max_age` of the output's readers.",
+            ),
+        }
+    ),
+)
+
+# The wire between two machines.
+LINK = Struct(
+    {
+        "to": Key(Name("a machine"), "The machine at the other end.", required=True),
+        "here": Key(
+            Name("a device"), "The serial line of this machine that the link uses.", required=True
+        ),
+        "there": Key(
+            Name("a device"), "The serial line at the other end that the link uses.", required=True
+        ),
+        "baud": Key(
+            Integer(9600, 12_000_000), "Bits per second; a byte takes ten.", required=True
+        ),
+        "wake_up": Key(
+            Period(),
+            "The longest time from the end of a frame until this machine serves it. Required where "
+            "levels are threads, as nothing bounds this time there.",
+        ),
+    }
+)
+MACHINE = Struct(
+    {
+        "board": Key(Name("a board"), "The board of the machine.", required=True),
+        "link": Key(LINK, "The link to a machine that stands before this one."),
+    }
+)
+
 NODE = Struct(
     {
         "app": Key(
@@ -152,8 +192,16 @@ NODE = Struct(
             Table(RawOrNames(), "a parameter"),
             "Parameter values that differ from the defaults of the interface.",
         ),
+        "machine": Key(
+            Name("a machine"), "The machine that runs the node; the first one if left out."
+        ),
+        "standby": Key(
+            STANDBY,
+            "A second machine that runs a copy of the node. A generated selector takes the copy's "
+            "outputs when those of the node are old, and stays with them until the vehicle is "
+            "disarmed.",
+        ),
     },
-    reserved={"machine": _LATER},
 )
 
 TOPIC = Struct(
@@ -166,8 +214,24 @@ TOPIC = Struct(
         "publishers": Key(
             Choice(("one", "many")), "many: several nodes may publish the topic at the same time."
         ),
+        "link": Key(
+            Struct(
+                {
+                    "every": Key(
+                        Period(),
+                        "The shortest mean time between two samples on a link. Readers on the "
+                        "publisher's machine get all samples.",
+                    ),
+                    "priority": Key(
+                        Integer(1, MAX_LEVELS),
+                        "1 (least urgent) to 15 (most urgent) on the link; if left out, that of "
+                        "the most urgent reader at its other end.",
+                    ),
+                }
+            ),
+            "How the topic travels to other machines.",
+        ),
     },
-    reserved={"machine": _LATER, "link": _LATER},
 )
 
 GRAPH = Struct(
@@ -185,6 +249,11 @@ GRAPH = Struct(
             "null removes one: a node, an input, a parameter.",
         ),
         "topics": Key(Table(TOPIC, "a topic"), "Settings of topics that differ from the defaults."),
+        "machines": Key(
+            Table(MACHINE, "a machine"),
+            "The machines that the nodes run on, if there are several. The clock of the first one "
+            "is the clock of the graph.",
+        ),
         "nodes": Key(Table(NODE, "a node"), "The nodes of the graph.", required=True),
         "modes": Key(
             Struct(
@@ -220,7 +289,6 @@ GRAPH = Struct(
             "Paths through nodes that have an end-to-end deadline.",
         ),
     },
-    reserved={"machines": _LATER, "machine": _LATER, "link": _LATER},
 )
 
 FIELD = Struct(

@@ -116,7 +116,6 @@ class Struct:
     """A mapping whose keys the language defines."""
 
     keys: dict[str, Key]
-    reserved: dict[str, str] = field(default_factory=dict)
     required: tuple[str, ...] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -151,14 +150,6 @@ class Struct:
         return bool(get_close_matches(name, [key for key in tree.entries if key not in self.keys]))
 
     def _refuse(self, name: str, item: Tree, mark: Mark, report: Report) -> None:
-        if name in self.reserved:
-            report.error(
-                mark,
-                "reserved-key",
-                f"key '{name}' is reserved: {self.reserved[name]}",
-                "remove the key",
-            )
-            return
         hint = report.nearest(name, self.keys)
         if isinstance(item, Scalar) and item.is_null and (" " in name or ":" in name):
             hint = "quote text that contains a comma, and write a space after ':'"

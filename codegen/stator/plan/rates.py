@@ -37,6 +37,10 @@ class Rates:
         return self._of_topics[name]
 
     def _of_publisher(self, node: str, topic: str) -> Fraction | None:
+        bridge = self.graph.nodes[node].interface.bridge
+        if bridge is not None:
+            ports = (p for p, o in self.graph.nodes[node].outputs.items() if o.topic == topic)
+            return bridge.period_of(next(ports))
         period = self._periods.get(node)
         outputs = self.graph.nodes[node].outputs.values() if self.usual else ()
         least = max((o.port.min_interval_us for o in outputs if o.topic == topic), default=0)

@@ -57,12 +57,13 @@ def plan_topics(
     plans: dict[str, TopicPlan] = {}
     for topic in graph.topics.values():
         plans[topic.name] = _topic(graph, topic, levels, rates, logger, report)
-    publisher = next((n for n in graph.nodes.values() if n.interface.publishes_params), None)
+    publisher, changeable = graph.params_publisher, graph.changeable
     for node in graph.nodes.values():
         message = node.interface.params_message
         if message is None:
             continue
-        plans[f"{node.name}_params"] = _params(node, message, publisher, logger, levels)
+        by = publisher if node.name in changeable else None
+        plans[f"{node.name}_params"] = _params(node, message, by, logger, levels)
     return plans
 
 

@@ -109,6 +109,13 @@ class Output {
         job_->publish(tag_, &message, sizeof message);
     }
 
+    void forward(const Message& message) {
+        if (left_ == 0) return;
+        --left_;
+        Message copy(message);
+        job_->publish(tag_, &copy, sizeof copy);
+    }
+
     // --- for generated wrappers ---
     void connect(replay::Job& job, unsigned tag, unsigned burst = 1) {
         job_ = &job;

@@ -75,12 +75,11 @@ def test_there_are_a_hundred() -> None:
 
 def rules_shown(graph: Path, folder: Path) -> set[str]:
     from stator.diagnostics import Failed
-    from stator.graph.check import check
-    from stator.plan.plan import plan
+    from stator.pipeline import make_plan
 
     given = arguments(graph)
     try:
-        plan(*check(place(graph, folder), given[1] if given else None))
+        make_plan(str(place(graph, folder)), given[1] if given else None)
     except Failed as failed:
         return {error.rule for error in failed.errors}
     return set()

@@ -44,8 +44,7 @@ STRUCTURAL = [
     "shape_nothing_for_text", "shape_whole_graph", "type_choice", "type_whole_number",
     "range_priority", "range_priority_below", "range_chain_of_one", "range_triggers_none",
     "bad_name_node", "bad_name_topic", "bad_name_unicode", "bad_name_long",
-    "reserved_key_machines", "reserved_key_machine", "reserved_key_link", "unit_missing",
-    "unit_unknown", "type_time", "depth_range", "include_absolute", "include_prefix",
+    "unit_missing", "unit_unknown", "type_time", "depth_range", "include_absolute", "include_prefix",
     "variable_at_top", "several_errors",
 ]  # fmt: skip
 

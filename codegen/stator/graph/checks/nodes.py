@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from stator.language.keys import PROVENANCES
 from stator.language.shapes import Record, items
 
 if TYPE_CHECKING:
+    from stator.graph.checks.machines import Machines
     from stator.graph.model import Port
     from stator.graph.sources import Sources
     from stator.language.yaml_tree import Scalar
@@ -38,8 +39,7 @@ class Nodes:
 
 def read_nodes(
     record: Record,
-    own: Board | None,
-    board: Board | None,
+    machines: Machines,
     sources: Sources,
     budgets: dict[str, Budget],
 ) -> Nodes:
@@ -50,9 +50,13 @@ def read_nodes(
         nodes.doubtful_topics = None
     for name, value in table.values.items():
         reader = _NodeReader(name, table.keys[name], value, sources)
-        node = reader.read(own, board, owners, budgets)
+        machine = machines.of_node(value, sources.report)
+        first = machines.is_first(machine)
+        node = reader.read(*machines.boards(machine), owners, budgets if first else {})
         if node is not None:
-            nodes.good[name] = node
+            nodes.good[name] = replace(
+                node, machine=machine, standby=machines.standby(value, machine, sources.report)
+            )
         if reader.is_damaged:
             nodes.damaged.add(name)
             _doubt_outputs(value, node, nodes)

@@ -96,7 +96,13 @@ def _config(value: Record, mark: Mark, report: Report) -> TopicConfig:
         value.value("depth"),
         value.value("publishers") == "many",
         mark if depth is None else depth.mark,
+        *_link(value),
     )
+
+
+def _link(value: Record) -> tuple[int | None, int | None]:
+    link = value.get("link")
+    return (None, None) if link is None else (link.value("every"), link.value("priority"))
 
 
 def _log(value: Record, report: Report) -> str | int | None:
