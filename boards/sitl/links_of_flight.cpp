@@ -90,7 +90,7 @@ void change(std::uint64_t now_us) {
     bool is_known = false;
     for (const TaskOfMachine& row : kTasksOfMachines) {
         if (!fault.is_of(row.machine)) continue;
-        is_known = silence(row.task, fault.from_us, fault.until_us);
+        is_known = silence(row.task, fault.from_us, fault.until_us, false);
     }
     if (!is_known) {
         std::fprintf(stderr, "error: --fail: unknown machine '%s'\n", fault.part.data());

@@ -39,13 +39,27 @@ struct Silence {
     unsigned task;
     uint64_t from_us;
     uint64_t until_us;
+    bool is_watched;
+
+    bool acts() const { return executor.now_us >= from_us && executor.now_us < until_us; }
 };
 std::vector<Silence> silences;
 
 bool is_silent(unsigned task) {
     return std::any_of(silences.begin(), silences.end(), [task](const Silence& s) {
-        return s.task == task && executor.now_us >= s.from_us && executor.now_us < s.until_us;
+        return s.task == task && s.acts();
     });
+}
+
+// Nothing watches a task of a machine that has stopped.
+void excuse_silent() {
+    for (unsigned i = 0; i < program.watched_count; ++i) {
+        const Watched& row = program.watched[i];
+        for (const Silence& silence : silences) {
+            const bool is_excused = silence.task == row.task && !silence.is_watched;
+            if (is_excused && silence.acts()) row.state->since_us = executor.now_us;
+        }
+    }
 }
 
 // SplitMix64 (Steele, Lea, Flood 2014): one step of its counter, mixed.
@@ -136,10 +150,10 @@ void dispatch() {
     }
 }
 
-bool silence(const char* task, uint64_t from_us, uint64_t until_us) {
+bool silence(const char* task, uint64_t from_us, uint64_t until_us, bool is_watched) {
     for (unsigned i = 0; i < program.task_count; ++i) {
         if (std::strcmp(program.tasks[i].name, task) != 0) continue;
-        silences.push_back({i, from_us, until_us});
+        silences.push_back({i, from_us, until_us, is_watched});
         return true;
     }
     return false;
@@ -204,6 +218,7 @@ void run_until(uint64_t end_us) {
         pend_due();
         executor.preemption_armed = armed;
         preempt();
+        if (!silences.empty()) excuse_silent();
         all_show_life(program.watched, program.watched_count, executor.now_us);
     }
 }

@@ -34,6 +34,7 @@ from stator.flight.arguments import (
 from stator.flight.facts import NOT_WHOLE, alone, facts_of, keep, mission_facts
 from stator.flight.hil import add_hil_argument, check_hil, complete_hil, hil_facts, hil_options
 from stator.flight.kept import keeping, kept_facts, log_of
+from stator.flight.links import link_facts
 from stator.flight.mavlink import (
     add_lockstep_argument,
     add_mavlink_argument,
@@ -127,6 +128,7 @@ def main(arguments: argparse.Namespace) -> int:
     if heard and not arguments.mavlink and facts["success"]:  # nothing was judged
         facts |= {"success": False, "reason": cut}
     facts |= kept_facts(kept) | mission_facts(arguments, mission)
+    facts |= link_facts(arguments, log)
     facts |= param_facts(params) | failures_of(faults) | rates_of(arguments)
     facts |= {"graph": arguments.graph.stem, "board": arguments.board, "seed": arguments.seed}
     facts["graph_file"] = str(arguments.graph.resolve())

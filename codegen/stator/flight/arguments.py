@@ -335,6 +335,11 @@ def speed_of(text: str) -> float:
 
 def times_of(arguments: argparse.Namespace) -> list[str]:
     """Options of the flight program: how long activations take. Raises `UserError`."""
+    if arguments.times != "zero" and make_plan(str(arguments.graph), arguments.board).graph.wires:
+        raise UserError(
+            f"error: --times {arguments.times}: expected a graph of one machine, found several: "
+            "they would share one processor\nhint: remove --times"
+        )
     if arguments.times != "budget":
         return ["--times", arguments.times]
     # Budgets of the graph's own board: a simulated board has no times.

@@ -72,6 +72,11 @@ def check_hil(arguments: argparse.Namespace) -> None:
         return
     arguments.speed = None  # the simulator's
     plan = make_plan(str(arguments.graph), arguments.board)
+    if plan.graph.wires:
+        raise UserError(
+            "error: --hil: expected a graph of one machine, found several\n"
+            "hint: use graph/quad_outdoor.yaml"
+        )
     for device in (node.device for node in plan.graph.nodes.values() if node.device):
         interface = plan.board.devices[device].interface
         if interface is not None and interface.name in _UNFED:

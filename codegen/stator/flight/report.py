@@ -7,6 +7,7 @@ from pathlib import Path
 
 from stator.diagnostics import UserError, in_place, shown_argument, shown_path
 from stator.flight.kept import kept_rows
+from stator.flight.links import link_rows
 from stator.flight.params import param_rows
 
 
@@ -160,7 +161,7 @@ def _run_rows(facts: dict[str, object]) -> list[tuple[str, str]]:
         flash = "./stator flash --record" if facts["recording"] else "./stator flash"
         image = f"{shown_path(Path(str(facts['image'])))}, as {flash} writes it"
         rows += [("image", image), ("image", f"SHA-256 {facts['image_sha256']}")]
-    rows += [*log_rows(facts), *watch_rows(facts)]
+    rows += [*link_rows(facts), *log_rows(facts), *watch_rows(facts)]
     crash = facts.get("crash")
     if isinstance(crash, dict):
         return [*rows, *_crash_rows(crash, facts)]

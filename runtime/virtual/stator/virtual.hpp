@@ -71,8 +71,9 @@ void use_random_times(const RandomTimes& times);
 void use_budgets(std::span<const uint32_t> budgets_us);
 
 // The task's activations are left out from then until then, and its outputs keep what they have.
-// False: unknown task.
-[[nodiscard]] bool silence(const char* task, uint64_t from_us, uint64_t until_us);
+// `is_watched`: that counts as missed life signs. False: unknown task.
+[[nodiscard]] bool silence(const char* task, uint64_t from_us, uint64_t until_us,
+                           bool is_watched = true);
 
 // Connects the graph to the board and publishes the parameters, at time 0.
 void start();
