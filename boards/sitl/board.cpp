@@ -184,8 +184,7 @@ void advance(std::uint64_t now_us) {
         return;
     }
     while (next_event_us() <= now_us) {
-        if (can_bus.next_event_us() <
-            std::min(the_world->next_event_us(), next_link_event_us())) {
+        if (can_bus.next_event_us() < std::min(the_world->next_event_us(), next_link_event_us())) {
             finish_can_frame();
             continue;
         }

@@ -22,7 +22,7 @@ using world::Fault;
 using world::FaultKind;
 using world::Wire;
 
-constexpr std::string_view kPart = "link";        // all links together
+constexpr std::string_view kPart = "link";          // all links together
 constexpr std::uint64_t kFirstStream = 0x4C494E4B;  // of random numbers: a range of its own
 
 struct Link;
@@ -103,9 +103,8 @@ void change(std::uint64_t now_us) {
 bool prepare_links(const world::Conditions& conditions) {
     for (const LinkOfGraph& row : kLinks) {
         const std::uint64_t stream = kFirstStream + links.size();
-        links.push_back({&row,
-                         Wire(row.baud, {row.wake_up_us, 0},
-                              math::Random(conditions.seed, stream))});
+        links.push_back(
+            {&row, Wire(row.baud, {row.wake_up_us, 0}, math::Random(conditions.seed, stream))});
     }
     for (Link& link : links) {
         for (unsigned i = 0; i < Wire::kEnds; ++i) {

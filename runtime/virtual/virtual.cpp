@@ -46,9 +46,8 @@ struct Silence {
 std::vector<Silence> silences;
 
 bool is_silent(unsigned task) {
-    return std::any_of(silences.begin(), silences.end(), [task](const Silence& s) {
-        return s.task == task && s.acts();
-    });
+    return std::any_of(silences.begin(), silences.end(),
+                       [task](const Silence& s) { return s.task == task && s.acts(); });
 }
 
 // Nothing watches a task of a machine that has stopped.

@@ -182,8 +182,8 @@ def _bridges(plan: Plan) -> dict[str, str]:
             template = f"bridge_{row.kind}.hpp.j2"
             files[row.file] = _render(template, node.mark, bridge=row)
     if plan.graph.wires:
-        row = bridges.links(plan)
-        files["links.hpp"] = _render("links.hpp.j2", _start(plan.graph.file), links=row)
+        links = bridges.links(plan)
+        files["links.hpp"] = _render("links.hpp.j2", _start(plan.graph.file), links=links)
     return files
 
 

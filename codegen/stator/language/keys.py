@@ -146,9 +146,7 @@ LINK = Struct(
         "there": Key(
             Name("a device"), "The serial line at the other end that the link uses.", required=True
         ),
-        "baud": Key(
-            Integer(9600, 12_000_000), "Bits per second; a byte takes ten.", required=True
-        ),
+        "baud": Key(Integer(9600, 12_000_000), "Bits per second; a byte takes ten.", required=True),
         "wake_up": Key(
             Period(),
             "The longest time from the end of a frame until this machine serves it. Required where "

@@ -123,16 +123,16 @@ class _Cut:
         wired: dict[str, NodeInput] = {}
         for key, output in node.outputs.items():
             message = output.port.message
-            for port, machine in ((key, node.machine), (f"{key}_standby", standby.machine)):
+            for name, machine in ((key, node.machine), (f"{key}_standby", standby.machine)):
                 doc = f"What {node.name} on {machine} publishes."
                 topic = f"{output.topic}_by_{machine}"
-                age = ages[key] if port == key else None
-                wired[port] = _reads(port, message, topic, age, doc, output.mark)
+                age = ages[key] if name == key else None
+                wired[name] = _reads(name, message, topic, age, doc, output.mark)
         status = self._graph.topics.get(STATUS_TOPIC)
         triggers = [_on_topic(source.topic, None, mark) for source in wired.values()]
         if status is not None and status.message.name == STATUS_MESSAGE:
-            port = _reads("status", status.message, STATUS_TOPIC, None, "Whether it is armed.", mark)
-            wired["status"] = port
+            doc = "Whether the vehicle is armed."
+            wired["status"] = _reads("status", status.message, STATUS_TOPIC, None, doc, mark)
         outputs = {
             f"{key}_chosen": _publishes(
                 f"{key}_chosen", output.port.message, output.topic, "Of the one that acts.", mark
@@ -149,11 +149,11 @@ class _Cut:
             ),
             "",
         )
-        name = f"{node.name}_selector"
+        own = f"{node.name}_selector"
         return replace(
             node,
-            name=name,
-            interface=_interface(name, bridge, wired, outputs, {}),
+            name=own,
+            interface=_interface(own, bridge, wired, outputs, {}),
             triggers=(*triggers, _every(HELLO_PERIOD_US, mark)),
             inputs=wired,
             outputs=outputs,
@@ -179,8 +179,8 @@ class _Cut:
             devices[ends[one]] = Device(
                 ends[one], LINK_DRIVER, "link", dict.fromkeys(interface.lines, ()), "", interface
             )
-        directions = {(machine, link.to): [], (link.to, machine): []}
-        directions = {pair: self._crossings(*pair) for pair in directions}
+        pairs = ((machine, link.to), (link.to, machine))
+        directions = {pair: self._crossings(*pair) for pair in pairs}
         cut = self._cut_text(machine, link, directions)
         for (here, there), crossings in directions.items():
             self._add_sender(here, there, ends[here], crossings, cut)
@@ -261,7 +261,8 @@ class _Cut:
                 _on_line("sent", mark),
                 _every(HELLO_PERIOD_US, mark),
             ),
-            **self._urgency(own),
+            priority=self._priority(own),
+            deadline_us=self._deadline_us(own),
             budget=None,
             inputs=inputs,
             outputs={},
@@ -299,7 +300,8 @@ class _Cut:
             interface=interface,
             device=device,
             triggers=(_on_line("received", mark), _every(HELLO_PERIOD_US, mark)),
-            **self._urgency(readers),
+            priority=self._priority(readers),
+            deadline_us=self._deadline_us(readers),
             budget=None,
             inputs={},
             outputs=outputs,
@@ -308,14 +310,18 @@ class _Cut:
             machine=here,
         )
 
-    def _urgency(self, others: list[Node]) -> dict[str, int | None]:
+    @property
+    def _has_priorities(self) -> bool:
+        return any(node.priority is not None for node in self._graph.nodes.values())
+
+    def _priority(self, others: list[Node]) -> int | None:
         """A generated node is as urgent as the most urgent one at its end of the topics."""
-        given = any(node.priority is not None for node in self._graph.nodes.values())
         levels = [node.priority for node in others if node.priority is not None]
+        return max(levels, default=1) if self._has_priorities else None
+
+    def _deadline_us(self, others: list[Node]) -> int | None:
         deadlines = [node.deadline_us for node in others if node.deadline_us is not None]
-        if given:
-            return {"priority": max(levels, default=1), "deadline_us": None}
-        return {"priority": None, "deadline_us": min(deadlines, default=HELLO_PERIOD_US)}
+        return None if self._has_priorities else min(deadlines, default=HELLO_PERIOD_US)
 
     # --- the whole ---
 
@@ -371,12 +377,8 @@ def _reading(node: Node, topics: dict[str, str]) -> Node:
     return replace(node, inputs=inputs, triggers=triggers)
 
 
-def _bridge(
-    kind: str, here: str, there: str, crossings: list[_Crossing], cut: str
-) -> Bridge:
-    topics = tuple(
-        BridgeTopic(c.topic, c.message, c.max_age_us, c.period_us) for c in crossings
-    )
+def _bridge(kind: str, here: str, there: str, crossings: list[_Crossing], cut: str) -> Bridge:
+    topics = tuple(BridgeTopic(c.topic, c.message, c.max_age_us, c.period_us) for c in crossings)
     return Bridge(kind, f"{here}_{there}", topics, cut)
 
 

@@ -7,7 +7,7 @@ serial line. All times count from the instant in which the sender has the sample
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -76,8 +76,8 @@ def _direction(node: Node, link: Link, sender: str, receiver: str, wake_up: int)
     size = frame_bytes(HELLO_BYTES)
     hello = Carried("hello", size, wire_us(size, link), Fraction(HELLO_PERIOD_US))
     bounded = tuple(
-        Carried(t.topic, t.bytes, t.wire_us, t.period_us, bound_us(i + 1, [hello, *topics], wake_up))
-        for i, t in enumerate(topics)
+        replace(carried, bound_us=bound_us(i, [hello, *topics], wake_up))
+        for i, carried in enumerate(topics, 1)
     )
     return Direction(sender, receiver, link, wake_up, bounded, hello)
 

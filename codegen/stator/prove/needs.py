@@ -17,8 +17,8 @@ def require_provable(plan: Plan) -> None:
     board = plan.board
     if plan.graph.wires:
         raise UserError(
-            f"error: cannot prove graph {plan.graph.name}: it has several machines, and the proof is "
-            "for one\nhint: ./stator check shows the load and the bounds of its links"
+            f"error: cannot prove graph {plan.graph.name}: it has several machines, and the proof "
+            "is for one\nhint: ./stator check shows the load and the bounds of its links"
         )
     if board.costs is None:
         what = "no key `costs`" if board.executor == "cortex_m" else f"executor {board.executor}"

@@ -17,9 +17,7 @@ UNPROVEN = frozenset(("hexarotor", "octorotor", "quad_can", "quad_outdoor"))
 LIKE_OTHERS = ("hexarotor", "octorotor")
 # Several machines fly in virtual time only.
 ONE_MACHINE = [
-    path.stem
-    for path in sorted((HOME / "graph").glob("*.yaml"))
-    if not check(path)[0].machines
+    path.stem for path in sorted((HOME / "graph").glob("*.yaml")) if not check(path)[0].machines
 ]
 
 

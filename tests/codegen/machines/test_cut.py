@@ -75,7 +75,9 @@ def test_the_most_urgent_topic_goes_first() -> None:
 
 
 def test_the_bound_of_a_topic_alone_is_its_wire_and_what_may_block_it() -> None:
-    carried = [Carried(name, 0, Fraction(us), Fraction(10_000)) for name, us in (("a", 100), ("b", 300))]
+    carried = [
+        Carried(name, 0, Fraction(us), Fraction(10_000)) for name, us in (("a", 100), ("b", 300))
+    ]
     assert bound_us(0, carried, 0) == 300 + 100
     assert bound_us(1, carried, 50) == 100 + 300 + 50
 
@@ -87,7 +89,7 @@ def test_there_is_no_bound_beyond_the_wire() -> None:
 
 
 def simulated(carried: list[Carried], phases: list[int], until_us: int) -> list[Fraction]:
-    """The longest way of each topic: one frame at a time, and the most urgent of those that wait."""
+    """The longest way of each topic: one frame at a time, the most urgent that waits first."""
     due = [Fraction(phase) for phase in phases]
     waiting: dict[int, Fraction] = {}
     worst = [Fraction(0)] * len(carried)

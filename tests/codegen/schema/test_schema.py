@@ -43,8 +43,8 @@ STRUCTURAL = [
     "shape_mapping_for_text", "shape_text_for_list", "shape_nothing_for_mapping",
     "shape_nothing_for_text", "shape_whole_graph", "type_choice", "type_whole_number",
     "range_priority", "range_priority_below", "range_chain_of_one", "range_triggers_none",
-    "bad_name_node", "bad_name_topic", "bad_name_unicode", "bad_name_long",
-    "unit_missing", "unit_unknown", "type_time", "depth_range", "include_absolute", "include_prefix",
+    "bad_name_node", "bad_name_topic", "bad_name_unicode", "bad_name_long", "unit_missing",
+    "unit_unknown", "type_time", "depth_range", "include_absolute", "include_prefix",
     "variable_at_top", "several_errors",
 ]  # fmt: skip
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from stator.diagnostics import Mark, Report, beside
 from stator.graph.boards import find_board
 from stator.graph.model import Board, Chain, Link, Machine, Modes, Node, Standby, Topic
-from stator.language.shapes import Record, items
+from stator.language.shapes import Record
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -292,9 +292,7 @@ class _Crossings:
 
     def _are_linked(self, one: str, other: str) -> bool:
         ends = ((one, other), (other, one))
-        return any(
-            (link := self._machines[a].link) is not None and link.to == b for a, b in ends
-        )
+        return any((link := self._machines[a].link) is not None and link.to == b for a, b in ends)
 
     def line(self, node: Node) -> None:
         """A serial line of a link belongs to the link."""

@@ -1,8 +1,8 @@
 // One end of a link between two machines, as the board and the nodes of the link share it.
 //
 // The board has the wire: it starts a frame when the sender asks, says when the frame is out, and
-// puts in what comes. Sender and receiver may run on two levels or threads: what they share is here,
-// and each word has one writer.
+// puts in what comes. Sender and receiver may run on two levels or threads: what they share is
+// here, and each word has one writer.
 #pragma once
 
 #include <array>

@@ -2,7 +2,8 @@
 //
 // The standby acts from the start. The other one takes over while the vehicle is disarmed, once all
 // its outputs are fresh. It loses its turn when one of them is too old, and does not get it back
-// before the vehicle is disarmed: a machine that comes and goes must not take the controls in turns.
+// before the vehicle is disarmed: a machine that comes and goes must not take the controls in
+// turns.
 #pragma once
 
 #include <array>
