@@ -54,7 +54,8 @@ function(stator_add_project_tests project)
         endif()
         set(program ${graph}.${name})
         add_executable(${program} "${project}/tests/graphs/${test}"
-            "${CMAKE_SOURCE_DIR}/boards/sitl/board.cpp" "${CMAKE_SOURCE_DIR}/boards/sitl/outside.cpp")
+            "${CMAKE_SOURCE_DIR}/boards/sitl/board.cpp" "${CMAKE_SOURCE_DIR}/boards/sitl/links_of_flight.cpp"
+            "${CMAKE_SOURCE_DIR}/boards/sitl/outside.cpp")
         target_include_directories(${program} PRIVATE "${CMAKE_SOURCE_DIR}/boards/sitl" "${CMAKE_SOURCE_DIR}/tests/project")
         target_link_libraries(${program} PRIVATE graph_${graph}_generated stator_world stator_hil GTest::gtest_main)
         stator_precompile(${program} TEST)

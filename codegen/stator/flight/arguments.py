@@ -335,7 +335,7 @@ def speed_of(text: str) -> float:
 
 def times_of(arguments: argparse.Namespace) -> list[str]:
     """Options of the flight program: how long activations take. Raises `UserError`."""
-    if arguments.times != "zero" and make_plan(str(arguments.graph), arguments.board).graph.wires:
+    if arguments.times != "zero" and plan_of(arguments).graph.wires:
         raise UserError(
             f"error: --times {arguments.times}: expected a graph of one machine, found several: "
             "they would share one processor\nhint: remove --times"

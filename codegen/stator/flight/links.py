@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stator.flight.arguments import plan_of
 from stator.flight.log import UnreadableFlight, open_log, topic
-from stator.pipeline import make_plan
 
 if TYPE_CHECKING:
     import argparse
@@ -19,7 +19,7 @@ COUNTS = ("received", "lost", "damaged", "repeated", "too_old", "refused", "sent
 
 def link_facts(arguments: argparse.Namespace, log: Path) -> dict[str, object]:
     """Of each end of a link, and of each selector. Nothing for a graph of one machine."""
-    plan = make_plan(str(arguments.graph), arguments.board)
+    plan = plan_of(arguments)
     if not plan.graph.wires:
         return {}
     try:
