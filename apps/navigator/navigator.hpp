@@ -53,7 +53,7 @@ class Navigator {
     void begin_item();
     void climb_first();
     void begin_figure(const Item& item);
-    bool is_at_place() const;
+    bool is_at_place(float near_enough) const;
     bool is_over() const;
     void leave_item();
     void wait_here();

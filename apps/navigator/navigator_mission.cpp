@@ -8,9 +8,9 @@ using math::Vector3;
 namespace {
 
 constexpr float kNaN = math::canonical_nan<float>();
-// A place where the vehicle rests is reached when it is this near, or after this time there.
-constexpr float kNearEnough = 0.5F;  // m
+// A place where the vehicle rests is reached when it is near enough, or after this time there.
 constexpr float kSettled_s = 4.0F;
+constexpr float kHasDirection = 0.5F;  // m: from nearer, a circle begins anywhere
 constexpr float kShortestCircle = 0.5F;  // m, of radius
 
 }  // namespace
@@ -37,7 +37,7 @@ void Navigator::advance_mission(const NavigatorPorts& ports, float dt) {
         sequence_.do_beside(reader_, mission.mission_id, frame_, situation, false);
         if (sequence_.take_speed_change()) begin_item();
         look();
-        if (!is_at_place()) return;
+        if (!is_at_place(ports.params->near_enough)) return;
         phase_ = 2;
         in_phase_s_ = 0.0F;
         // One that lasts counts when it is reached, the others when they are over.
@@ -102,7 +102,7 @@ void Navigator::begin_item() {
             const Vector3<float> from = position_N_ - place_N;
             const float away = math::norm(from.head<2>());
             const float radius = math::abs(item.param[2]);
-            const Vector3<float> side = away > kNearEnough ? Vector3<float>(from * (radius / away))
+            const Vector3<float> side = away > kHasDirection ? Vector3<float>(from * (radius / away))
                                                            : Vector3<float>(radius, 0.0F, 0.0F);
             place_N.head<2>() += side.head<2>();
             break;
@@ -143,12 +143,12 @@ void Navigator::begin_figure(const Item& item) {
 
 // A stop is reached when the setpoint rests there and the vehicle is near, too, or has had the
 // time; without a stop, when the vehicle is near, or the same.
-bool Navigator::is_at_place() const {
+bool Navigator::is_at_place(float near_enough) const {
     const Item& item = sequence_.item();
     const float away = math::norm(math::vector(goal_.position) - position_N_);
     if (is_passed(item) && away < radius_of(item)) return true;
     if (item.kind == ItemKind::kTakeoff) return has_arrived_;
-    return has_arrived_ && (away < kNearEnough || in_phase_s_ > kSettled_s);
+    return has_arrived_ && (away < near_enough || in_phase_s_ > kSettled_s);
 }
 
 bool Navigator::is_over() const {

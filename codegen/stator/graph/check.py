@@ -115,14 +115,16 @@ def _budgets(
         return {}
     # The graphs of a folder share the file: NODE is for all of them, GRAPH.NODE for one, and counts
     # there. A node of another graph is not an error here, but a name that resembles a node without
-    # a budget is.
+    # a budget is, unless an app has it.
     own = f"{path.stem}."
     keys = {key.removeprefix(own): key for key in table.values if "." not in key}
     keys |= {key.removeprefix(own): key for key in table.values if key.startswith(own)}
     without = [name for name in record.get("nodes").keys if name not in keys]
     for name, key in keys.items():
         close = get_close_matches(name, without, n=1, cutoff=0.8)
-        if name in record.get("nodes").keys or not close or _letters(name) == _letters(close[0]):
+        if name in record.get("nodes").keys or name in sources.apps():
+            continue
+        if not close or _letters(name) == _letters(close[0]):
             continue
         sources.report.error(
             table.keys[key],

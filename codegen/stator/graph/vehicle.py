@@ -152,23 +152,25 @@ def param_values(vehicle: Vehicle) -> dict[str, Fraction]:
         moment = vehicle.rotors.torque_per_thrust * (1.0 if rotor.is_ccw else -1.0)
         for what, value in (("x", rotor.x), ("y", rotor.y), ("moment", moment)):
             values[f"rotor{i}_{what}"] = Fraction(repr(value))
-    if vehicle.wing is not None:
-        values |= _wing_values(vehicle, vehicle.wing)
+    values |= _wing_values(vehicle)
     return values
 
 
-def _wing_values(vehicle: Vehicle, wing: Wing) -> dict[str, Fraction]:
+def _wing_values(vehicle: Vehicle) -> dict[str, Fraction]:
+    """All 0 without a wing."""
+    wing = vehicle.wing
     values = {
         "mass": _rounded(vehicle.mass, 4),
-        "wing_area": _rounded(wing.area, 4),
-        "wing_span": _rounded(wing.span, 4),
-        "wing_chord": _rounded(wing.chord, 4),
-        "stall_airspeed": _rounded(vehicle.stall_airspeed, 2),
+        "wing_area": _rounded(wing.area if wing else 0.0, 4),
+        "wing_span": _rounded(wing.span if wing else 0.0, 4),
+        "wing_chord": _rounded(wing.chord if wing else 0.0, 4),
+        "stall_airspeed": _rounded(vehicle.stall_airspeed if wing else 0.0, 2),
         "propeller_count": Fraction(len(vehicle.propellers)),
         "surface_count": Fraction(len(vehicle.surfaces)),
     }
     # The torque of command 1, over dynamic pressure and wing area.
-    lengths = {"roll": wing.span, "pitch": wing.chord, "yaw": wing.span}
+    span, chord = (wing.span, wing.chord) if wing else (0.0, 0.0)
+    lengths = {"roll": span, "pitch": chord, "yaw": span}
     for i in range(MAX_SURFACES):
         surface = vehicle.surfaces[i] if i < len(vehicle.surfaces) else None
         for axis, length in lengths.items():

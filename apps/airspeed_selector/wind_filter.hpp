@@ -4,7 +4,7 @@
 
 #include "stator/rotation.hpp"
 
-namespace stator::apps::airspeed {
+namespace stator::apps::airspeed_selector {
 
 // State: wind north, wind east, measured over true airspeed. Extended Kalman filter of
 //
@@ -48,4 +48,4 @@ class WindFilter {
     math::Matrix3<float> P_ = math::Matrix3<float>::Zero();
 };
 
-}  // namespace stator::apps::airspeed
+}  // namespace stator::apps::airspeed_selector

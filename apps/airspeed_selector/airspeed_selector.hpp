@@ -4,10 +4,10 @@
 #include <cstdint>
 
 #include "airspeed_check.hpp"
-#include "airspeed_ports.hpp"
+#include "airspeed_selector_ports.hpp"
 #include "wind_filter.hpp"
 
-namespace stator::apps::airspeed {
+namespace stator::apps::airspeed_selector {
 
 // Runs at a fixed period.
 //
@@ -16,14 +16,14 @@ namespace stator::apps::airspeed {
 // In the air the sensor is checked. One that was refused is not used until the next flight; then
 // the airspeed is that of ground speed and wind, while the wind is known. A wind that was estimated
 // with that sensor is kept, and from then on follows the sideslip alone.
-class Airspeed {
+class AirspeedSelector {
   public:
-    void step(AirspeedPorts& ports);
+    void step(AirspeedSelectorPorts& ports);
 
   private:
-    void measure(const AirspeedPorts& ports);
-    void fuse(const AirspeedPorts& ports, float dt);
-    void check(const AirspeedPorts& ports, float dt);
+    void measure(const AirspeedSelectorPorts& ports);
+    void fuse(const AirspeedSelectorPorts& ports, float dt);
+    void check(const AirspeedSelectorPorts& ports, float dt);
 
     WindFilter wind_;
     AirspeedCheck check_;
@@ -37,4 +37,4 @@ class Airspeed {
     uint64_t last_us_ = 0;
 };
 
-}  // namespace stator::apps::airspeed
+}  // namespace stator::apps::airspeed_selector

@@ -1,20 +1,20 @@
 // Airspeed: from pressure, its faults, and the wind.
-#include "airspeed.hpp"
+#include "airspeed_selector.hpp"
 
 #include <gtest/gtest.h>
 
 #include "stator/random.hpp"
 #include "stator/testing.hpp"
 
-namespace stator::apps::airspeed {
+namespace stator::apps::airspeed_selector {
 namespace {
 
 using Source = AirspeedValidated::AirspeedSource;
 constexpr float kRho = 1.225F;
 
-class AirspeedTest : public ::testing::Test {
+class AirspeedSelectorTest : public ::testing::Test {
   protected:
-    AirspeedTest() {
+    AirspeedSelectorTest() {
         params_ = {.scale = 1.0F,
                    .offset = 0.0F,
                    .wind_walk = 0.1F,
@@ -49,7 +49,7 @@ class AirspeedTest : public ::testing::Test {
         const float noise = static_cast<float>(random_.gaussian_double());
         const float pressure = 0.5F * kRho * 17.0F * 17.0F + noise;
         if (!is_stuck_) pressure_.differential_pressure_pa = factor_ * pressure;
-        AirspeedPorts ports{
+        AirspeedSelectorPorts ports{
             .now = now_us_,
             .pressure = has_sensor_ ? Input(pressure_) : Input<DifferentialPressure>(),
             .baro = Input(baro_),
@@ -74,8 +74,8 @@ class AirspeedTest : public ::testing::Test {
         return most_s;
     }
 
-    Airspeed node_;
-    AirspeedParams params_{};
+    AirspeedSelector node_;
+    AirspeedSelectorParams params_{};
     DifferentialPressure pressure_{};
     SensorBaro baro_{};
     VehicleLocalPosition position_{};
@@ -94,7 +94,7 @@ class AirspeedTest : public ::testing::Test {
     uint64_t now_us_ = 0;
 };
 
-TEST_F(AirspeedTest, TheDensityMakesTheTrueAirspeed) {
+TEST_F(AirspeedSelectorTest, TheDensityMakesTheTrueAirspeed) {
     fly(1.0F);
     EXPECT_NEAR(airspeed_.calibrated_airspeed_m_s, 17.0F, 0.3F);
     EXPECT_NEAR(airspeed_.true_airspeed_m_s, 17.0F, 0.3F);
@@ -104,7 +104,7 @@ TEST_F(AirspeedTest, TheDensityMakesTheTrueAirspeed) {
     EXPECT_NEAR(airspeed_.true_airspeed_m_s / airspeed_.calibrated_airspeed_m_s, 1.0496F, 1e-3F);
 }
 
-TEST_F(AirspeedTest, ATurnShowsTheWind) {
+TEST_F(AirspeedSelectorTest, ATurnShowsTheWind) {
     wind_N_ = {5.0F, -3.0F, 0.0F};
     fly(2.0F);
     fly(40.0F, 0.2F);  // 1.3 turns
@@ -114,7 +114,7 @@ TEST_F(AirspeedTest, ATurnShowsTheWind) {
     EXPECT_EQ(airspeed_.airspeed_source, Source::kSensor);
 }
 
-TEST_F(AirspeedTest, ABlockedPitotIsRefusedAndTheWindTakesItsPlace) {
+TEST_F(AirspeedSelectorTest, ABlockedPitotIsRefusedAndTheWindTakesItsPlace) {
     wind_N_ = {5.0F, -3.0F, 0.0F};
     fly(40.0F, 0.2F);
     factor_ = 0.0F;
@@ -129,21 +129,21 @@ TEST_F(AirspeedTest, ABlockedPitotIsRefusedAndTheWindTakesItsPlace) {
 }
 
 // Publicly reported: the absolute value of the pressure hides tubes that are swapped.
-TEST_F(AirspeedTest, SwappedTubesAreRefused) {
+TEST_F(AirspeedSelectorTest, SwappedTubesAreRefused) {
     fly(10.0F, 0.2F);
     factor_ = -1.0F;
     EXPECT_LT(refused_after(5.0F), 1.1F);
     EXPECT_NE(airspeed_.faults & AirspeedCheck::kTooLow, 0);
 }
 
-TEST_F(AirspeedTest, ASensorThatRepeatsItselfOrIsSilentIsRefused) {
+TEST_F(AirspeedSelectorTest, ASensorThatRepeatsItselfOrIsSilentIsRefused) {
     fly(10.0F, 0.2F);
     is_stuck_ = true;
     EXPECT_NEAR(refused_after(5.0F), 2.0F, 0.1F);
     EXPECT_EQ(airspeed_.faults, AirspeedCheck::kStuck);
 }
 
-TEST_F(AirspeedTest, WithoutASensorNothingIsUsed) {
+TEST_F(AirspeedSelectorTest, WithoutASensorNothingIsUsed) {
     fly(10.0F, 0.2F);
     has_sensor_ = false;
     fly(0.02F);
@@ -152,7 +152,7 @@ TEST_F(AirspeedTest, WithoutASensorNothingIsUsed) {
     EXPECT_NE(airspeed_.faults & AirspeedCheck::kMissing, 0);
 }
 
-TEST_F(AirspeedTest, OnTheGroundNothingIsRefused) {
+TEST_F(AirspeedSelectorTest, OnTheGroundNothingIsRefused) {
     land_.landed = true;
     factor_ = 0.0F;
     fly(20.0F);
@@ -161,7 +161,7 @@ TEST_F(AirspeedTest, OnTheGroundNothingIsRefused) {
 }
 
 // Gusts that change the airspeed by 3 m/s for some seconds, for half an hour.
-TEST_F(AirspeedTest, GustsAreNoFault) {
+TEST_F(AirspeedSelectorTest, GustsAreNoFault) {
     wind_N_ = {6.0F, 0.0F, 0.0F};
     for (int i = 0; i < 180; ++i) {
         const float gust = 1.0F + 0.18F * static_cast<float>(i % 3 - 1);
@@ -172,4 +172,4 @@ TEST_F(AirspeedTest, GustsAreNoFault) {
 }
 
 }  // namespace
-}  // namespace stator::apps::airspeed
+}  // namespace stator::apps::airspeed_selector

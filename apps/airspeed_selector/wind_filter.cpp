@@ -1,7 +1,7 @@
 // Wind and scale of an airspeed sensor.
 #include "wind_filter.hpp"
 
-namespace stator::apps::airspeed {
+namespace stator::apps::airspeed_selector {
 
 using math::Matrix3;
 using math::Vector3;
@@ -71,4 +71,4 @@ bool WindFilter::fuse_sideslip(const Vector3<float>& v_N, const math::Quaternion
     return fuse(-slip, {-by_air.x(), -by_air.y(), 0.0F}, math::square(sigma), gate);
 }
 
-}  // namespace stator::apps::airspeed
+}  // namespace stator::apps::airspeed_selector

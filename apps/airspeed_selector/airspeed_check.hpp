@@ -5,7 +5,7 @@
 
 #include "stator/scalar.hpp"
 
-namespace stator::apps::airspeed {
+namespace stator::apps::airspeed_selector {
 
 // A sensor that says the same again and again, nothing, a pressure from behind, or what neither
 // the ground speed nor the lift allow. One that was refused in flight stays so.
@@ -69,4 +69,4 @@ class AirspeedCheck {
     float load_ = 0.5F;
 };
 
-}  // namespace stator::apps::airspeed
+}  // namespace stator::apps::airspeed_selector

@@ -1,9 +1,9 @@
 // Airspeed and wind.
-#include "airspeed.hpp"
+#include "airspeed_selector.hpp"
 
 #include "stator/elapsed.hpp"
 
-namespace stator::apps::airspeed {
+namespace stator::apps::airspeed_selector {
 
 using math::Vector3;
 
@@ -20,7 +20,7 @@ constexpr float kKelvin = 273.15F;
 constexpr float kPartIsWarmer = 10.0F;  // K
 constexpr float kGravity = 9.80665F;
 
-float density_ratio(const AirspeedPorts& ports) {
+float density_ratio(const AirspeedSelectorPorts& ports) {
     if (!ports.baro) return 1.0F;
     const float temperature = ports.baro->temperature - kPartIsWarmer + kKelvin;
     const float density = ports.baro->pressure / (kAirConstant * temperature);
@@ -32,14 +32,14 @@ Vector3<float> velocity_of(const VehicleLocalPosition& p) {
     return {p.vx, p.vy, p.vz};
 }
 
-bool knows_velocity(const AirspeedPorts& ports) {
+bool knows_velocity(const AirspeedSelectorPorts& ports) {
     return ports.position && ports.attitude && ports.position->v_xy_valid &&
            ports.position->v_z_valid && math::is_finite(velocity_of(*ports.position).sum());
 }
 
 }  // namespace
 
-void Airspeed::measure(const AirspeedPorts& ports) {
+void AirspeedSelector::measure(const AirspeedSelectorPorts& ports) {
     tas_over_eas_ = 1.0F / math::sqrt(density_ratio(ports));
     pressure_ = ports.pressure ? ports.pressure->differential_pressure_pa - ports.params->offset
                                : kNaN;
@@ -47,9 +47,9 @@ void Airspeed::measure(const AirspeedPorts& ports) {
     equivalent_ = math::is_finite(pressure_) ? ports.params->scale * raw : kNaN;
 }
 
-void Airspeed::fuse(const AirspeedPorts& ports, float dt) {
+void AirspeedSelector::fuse(const AirspeedSelectorPorts& ports, float dt) {
     if (!flies_ || !knows_velocity(ports)) return;
-    const AirspeedParams& params = *ports.params;
+    const AirspeedSelectorParams& params = *ports.params;
     const WindFilter::Noise noise{
         .wind_walk = params.wind_walk, .scale_walk = params.scale_walk, .gate = params.gate};
     const Vector3<float> v_N = velocity_of(*ports.position);
@@ -72,9 +72,9 @@ void Airspeed::fuse(const AirspeedPorts& ports, float dt) {
     static_cast<void>(wind_.fuse_sideslip(v_N, q_NB, params.sideslip_noise, params.gate));
 }
 
-void Airspeed::check(const AirspeedPorts& ports, float dt) {
+void AirspeedSelector::check(const AirspeedSelectorPorts& ports, float dt) {
     if (!flies_) return;
-    const AirspeedParams& params = *ports.params;
+    const AirspeedSelectorParams& params = *ports.params;
     float load = kNaN;
     if (ports.accel && math::is_finite(equivalent_)) {
         const float lift = math::abs(ports.accel->xyz[2]) / kGravity;
@@ -90,7 +90,7 @@ void Airspeed::check(const AirspeedPorts& ports, float dt) {
                   dt);
 }
 
-void Airspeed::step(AirspeedPorts& ports) {
+void AirspeedSelector::step(AirspeedSelectorPorts& ports) {
     const float dt = seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
     const bool armed =
         ports.status && ports.status->arming_state == VehicleStatus::ArmingState::kArmed;
@@ -105,7 +105,7 @@ void Airspeed::step(AirspeedPorts& ports) {
     fuse(ports, dt);
     check(ports, dt);
 
-    const AirspeedParams& params = *ports.params;
+    const AirspeedSelectorParams& params = *ports.params;
     const float worst = math::max(wind_.variance_north(), wind_.variance_east());
     const bool knows_wind = wind_.is_running() && worst < math::square(params.wind_limit);
     AirspeedValidated result{
@@ -136,4 +136,4 @@ void Airspeed::step(AirspeedPorts& ports) {
     });
 }
 
-}  // namespace stator::apps::airspeed
+}  // namespace stator::apps::airspeed_selector
