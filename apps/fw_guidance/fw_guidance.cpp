@@ -16,11 +16,19 @@ constexpr float kLongestStep = 0.1F;
 constexpr float kAbove = 1.0F;          // m, of a goal that starts a take-off
 constexpr float kRotates = 0.9F;        // of the take-off airspeed
 constexpr float kIsOff = 1.5F;          // m: it flies
-constexpr float kClimbBank = 0.26F;     // rad, of a descent without position
+constexpr float kGentleBank = 0.26F;    // rad, of a descent without position
+constexpr float kLow = 3.0F;            // m, where that descent flares
+constexpr float kFlarePitch = 0.12F;    // rad, without power
+constexpr float kFarBelow = 8.0F;       // m, below the wanted height
+constexpr float kSinks = 0.3F;          // m/s
+constexpr float kLongest_s = 1e4F;
 constexpr float kWindCounts = 2.0F;     // m/s: less has no direction to land into
-constexpr float kSlowRoll = 4.0F;       // m/s: surfaces steer little
-constexpr float kFlaredPitch = 0.05F;   // rad, of the roll after a touchdown
+constexpr float kSlowRoll = 8.0F;       // m/s through the air: no lift to speak of
+constexpr float kSlowest = 3.0F;        // m/s over ground, of a landing
+constexpr float kRollPitch = 0.05F;   // rad, of the roll after a touchdown
 constexpr float kTailDownPitch = 0.2F;  // rad, when it is slow
+constexpr float kTurnBank = 0.7F;       // rad, of the turn at a corner
+constexpr float kTurnLag = 0.5F;        // s, until it is banked
 constexpr float kLanePull = 0.02F;      // rad/m, of the roll back to its line
 
 constexpr FixedWingLongitudinalSetpoint kFree{.timestamp = 0,
@@ -46,6 +54,12 @@ bool follows_goals(Nav mode) {
 
 NpfgGains gains_of(const FwGuidanceParams& params) {
     return {.period = params.period, .damping = params.damping};
+}
+
+// How far ahead of a corner of 90 deg the turn begins that ends on the next leg.
+float turn_distance(float ground_speed) {
+    return math::square(ground_speed) / (kGravity * math::tan(kTurnBank)) +
+           kTurnLag * ground_speed;
 }
 
 float bearing_of(const Vector2& way) {
@@ -156,7 +170,9 @@ void FwGuidance::begin_landing(const FwGuidancePorts& ports) {
                     .height = params.approach_height,
                     .radius = math::copysign(params.loiter_radius, side),
                     .flare_height = params.flare_height,
-                    .flare_sink = params.flare_sink});
+                    .flare_sink = params.flare_sink,
+                    .ground_speed = math::max(params.landing_airspeed + wind_.dot(unit(heading)),
+                                              kSlowest)});
     touchdown_heading_ = heading;
 }
 
@@ -261,8 +277,7 @@ void FwGuidance::fly_goal(const FwGuidancePorts& ports) {
         is_done_ = is_at_height;
         return;
     }
-    const float ahead = switch_distance(math::norm(velocity_), gains_of(params));
-    if (path_.left(position_) > ahead) return;
+    if (path_.left(position_) > turn_distance(math::norm(velocity_))) return;
     if (is_at_height) {
         is_done_ = true;
     } else {
@@ -299,6 +314,7 @@ void FwGuidance::land(const FwGuidancePorts& ports, float dt) {
         case Landing::Phase::kFlare:
             longitudinal_.altitude = kNaN;
             longitudinal_.height_rate = -landing_.sink_at(height);
+            if (sinks_s_ > 0.0F) longitudinal_.pitch_direct = kFlarePitch;
             break;
         case Landing::Phase::kRoll:
             stage_ = Stage::kLanded;
@@ -309,10 +325,24 @@ void FwGuidance::land(const FwGuidancePorts& ports, float dt) {
 }
 
 void FwGuidance::descend() {
+    const bool is_low = altitude_ - ground_ < kLow;
     lateral_ = kStraight;
-    lateral_.lateral_acceleration = kGravity * math::tan(kClimbBank);
+    if (!is_low) lateral_.lateral_acceleration = kGravity * math::tan(kGentleBank);
     longitudinal_ = kFree;
     longitudinal_.throttle_direct = 0.0F;
+    if (is_low) longitudinal_.pitch_direct = kFlarePitch;
+}
+
+// Far below its height, and sinking further though it wants to climb.
+void FwGuidance::watch_height(float dt) {
+    const float wanted = longitudinal_.altitude;
+    const bool cannot = stage_ == Stage::kFlight && wanted - altitude_ > kFarBelow &&
+                        climb_ < -kSinks;
+    if (cannot) {
+        sinks_s_ = math::min(sinks_s_ + dt, kLongest_s);
+    } else if (climb_ > 0.0F || stage_ != Stage::kFlight) {
+        sinks_s_ = 0.0F;
+    }
 }
 
 void FwGuidance::fly_by_sticks(const FwGuidancePorts& ports) {
@@ -380,17 +410,18 @@ void FwGuidance::step(FwGuidancePorts& ports) {
             lateral_.yaw_rate = steer(off_heading, ports.params->wheel_gain);
             longitudinal_ = kFree;
             longitudinal_.throttle_direct = 0.0F;
-            const bool is_slow = math::norm(Vector2(velocity_ - wind_)) < 2.0F * kSlowRoll;
-            longitudinal_.pitch_direct = is_slow ? kTailDownPitch : kFlaredPitch;
+            const bool is_slow = math::norm(Vector2(velocity_ - wind_)) < kSlowRoll;
+            longitudinal_.pitch_direct = is_slow ? kTailDownPitch : kRollPitch;
             break;
         }
     }
+    watch_height(dt);
     ports.lateral.publish([&] { return lateral_; });
     ports.longitudinal.publish([&] { return longitudinal_; });
     ports.setpoint.publish([&] { return setpoint_; });
     ports.progress.publish([&] {
         return TrajectoryProgress{
-            .goal = goal_.number, .is_done = has_goal_ && is_done_, .lags_for = 0.0F};
+            .goal = goal_.number, .is_done = has_goal_ && is_done_, .lags_for = sinks_s_};
     });
 }
 

@@ -12,7 +12,8 @@ namespace stator::apps::fw_guidance {
 // the one before, and then round in a circle, as an aeroplane cannot stop; it is reached where the
 // turn to the next one begins. Standing on the ground, a goal above starts a take-off, which leads
 // straight on; nothing else does. A landing follows landing.hpp. Descending without a position it
-// circles down with a gentle bank and without throttle. Disarmed it wants nothing.
+// circles down with a gentle bank and without throttle. One that sinks further and further below its
+// height cannot follow: its motor is out. Disarmed it wants nothing.
 class FwGuidance {
   public:
     void step(FwGuidancePorts& ports);
@@ -30,6 +31,7 @@ class FwGuidance {
     void fly_goal(const FwGuidancePorts& ports);
     void land(const FwGuidancePorts& ports, float dt);
     void descend();
+    void watch_height(float dt);
     void fly_by_sticks(const FwGuidancePorts& ports);
     void count_laps();
     void follow(const FwGuidancePorts& ports, const Path& path);
@@ -54,6 +56,7 @@ class FwGuidance {
     bool is_take_off_ = false;  // the goal
     Path path_;
     float wanted_altitude_ = 0.0F;
+    float sinks_s_ = 0.0F;  // below it, and cannot help it
     float bearing_from_centre_ = 0.0F;
     float turned_ = 0.0F;  // round the circle
 

@@ -24,9 +24,16 @@ void Landing::begin(const LandingPlan& plan) {
     still_s_ = 0.0F;
     const Vector2 along = unit(plan.heading);
     const Vector2 right(-along.y(), along.x());
-    const Vector2 start = plan.place - plan.height / math::tan(plan.slope) * along;
+    // The slope leads to a point in front of the place, as a flare reaches further than the slope:
+    // h' = -sink_at(h) from flare_height to 0.
+    const float steep = math::tan(plan.slope);
+    const float above = math::max(plan.ground_speed * steep - plan.flare_sink, 0.01F);
+    const float time = plan.flare_height / above * math::log(1.0F + above / plan.flare_sink);
+    const float further = plan.ground_speed * time - plan.flare_height / steep;
+    const Vector2 aim = plan.place - math::max(further, 0.0F) * along;
+    const Vector2 start = aim - plan.height / steep * along;
     circle_ = Path::circle(start + plan.radius * right, plan.radius);
-    final_ = Path::line(start, plan.place, plan.heading);
+    final_ = Path::line(start, aim, plan.heading);
 }
 
 float Landing::height_at(const Vector2& position) const {
@@ -36,7 +43,8 @@ float Landing::height_at(const Vector2& position) const {
 
 float Landing::sink_at(float height) const {
     const float part = math::clamp(height / plan_.flare_height, 0.0F, 1.0F);
-    return plan_.flare_sink * (1.0F + part);
+    const float above = plan_.ground_speed * math::tan(plan_.slope) - plan_.flare_sink;
+    return plan_.flare_sink + part * math::max(above, 0.0F);
 }
 
 bool Landing::leaves_circle(const LandingState& state) const {
@@ -62,6 +70,8 @@ void Landing::update(const LandingState& state, float dt) {
     switch (phase_) {
         case Phase::kCircle:
             if (leaves_circle(state)) phase_ = Phase::kSlope;
+            // It cannot keep the height of the circle: down where it is.
+            if (state.height < plan_.flare_height) phase_ = Phase::kFlare;
             return;
         case Phase::kSlope:
             if (misses(state)) {

@@ -13,7 +13,8 @@ struct LandingPlan {
     float height = 0.0F;  // m above the ground, at which the slope begins
     float radius = 0.0F;  // m, of the circle; above 0 turns right
     float flare_height = 1.0F;  // m
-    float flare_sink = 0.0F;  // m/s
+    float flare_sink = 0.4F;  // m/s, at the touchdown
+    float ground_speed = 14.0F;  // m/s, there
 };
 
 struct LandingState {
@@ -36,7 +37,7 @@ class Landing {
     const LandingPlan& plan() const { return plan_; }
     // Above the ground: of the circle, or the slope at this place.
     float height_at(const Vector2& position) const;
-    // Of the flare, gentler the lower it is.
+    // Of the flare: that of the slope at its height, flare_sink on the ground.
     float sink_at(float height) const;
     unsigned go_arounds() const { return go_arounds_; }
 

@@ -9,7 +9,6 @@ namespace {
 
 constexpr float kSlowest = 1.0F;         // m/s: below it there is no direction
 constexpr float kBuffer = 1.5F;          // m/s of airspeed, over which a course becomes infeasible
-constexpr float kSwitchMultiple = 0.32F;
 constexpr float kInside = 0.2F;          // of the radius of a curve, least distance to its middle
 
 // Where a track error counts as far, m.
@@ -74,10 +73,6 @@ float lateral_acceleration(const PathPoint& path, const AirMotion& motion,
     const float curve = airspeed * (1.0F + math::max(along / forward, -1.0F)) * path.curvature *
                         speed / inside;
     return gain * airspeed * turn + math::square(look.sin) * curve;
-}
-
-float switch_distance(float ground_speed, const NpfgGains& gains) {
-    return kSwitchMultiple * far_error(ground_speed, gains);
 }
 
 }  // namespace stator::apps::fw_guidance

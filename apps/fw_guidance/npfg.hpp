@@ -39,9 +39,6 @@ struct NpfgGains {
 // of the path near it.
 float lateral_acceleration(const PathPoint& path, const AirMotion& motion, const NpfgGains& gains);
 
-// How far ahead of a corner the turn to the next leg begins.
-float switch_distance(float ground_speed, const NpfgGains& gains);
-
 // Towards the right.
 inline float cross(const Vector2& a, const Vector2& b) {
     return a.x() * b.y() - a.y() * b.x();

@@ -21,10 +21,16 @@ Vector3<float> finite_or_zero(const Vector3<float>& v) {
     return math::is_finite(v.sum()) ? v : Vector3<float>::Zero();
 }
 
-bool may_integrate(const FwRatePorts& ports) {
+bool stands(const FwRatePorts& ports) {
     const bool disarmed =
         ports.status && ports.status->arming_state != VehicleStatus::ArmingState::kArmed;
-    return !disarmed && !(ports.land && ports.land->landed);
+    return disarmed || (ports.land && ports.land->landed);
+}
+
+// Slower than that it rolls on its wheels, which hold it.
+bool flies(const FwRatePorts& ports) {
+    return !ports.airspeed ||
+           !(ports.airspeed->calibrated_airspeed_m_s < ports.params->stall_airspeed);
 }
 
 // Trim airspeed over airspeed.
@@ -75,8 +81,8 @@ void FwRate::step(FwRatePorts& ports) {
     const uint64_t timestamp_sample = ports.gyro->timestamp_sample;
     const float dt =
         seconds_since_last(last_sample_us_, timestamp_sample, kShortestStep, kLongestStep);
-    const bool integrate = may_integrate(ports);
-    if (!integrate) integral_.setZero();
+    if (stands(ports)) integral_.setZero();
+    const bool integrate = !stands(ports) && flies(ports);
     const Vector3<float> torque =
         this->torque(rate, *ports.params, scale_of(ports), dt, integrate);
     // Torque activates allocation, so thrust goes first.

@@ -41,6 +41,7 @@ class Truth:
     position: Floats  # N, m; one row each
     q: Floats  # q_NB, w x y z
     on_ground: NDArray[np.bool_]
+    has_wing: bool = False
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,7 @@ def read_truth(path: Path) -> Truth:
             position=np.column_stack([columns[f"position_{axis}"] for axis in "ned"]),
             q=np.column_stack([columns[f"q_{axis}"] for axis in "wxyz"]),
             on_ground=columns["on_ground"] != 0.0,
+            has_wing="surface_1" in columns,
         )
     except KeyError as missing:
         raise UnreadableFlight(f"missing column {missing} in the true flight '{path}'") from None

@@ -126,11 +126,12 @@ def _measure(
     truth = flight.truth.position - home
     setpoint = _setpoints(log, flight)
     flown = in_flight(flight, flight.truth.time_s)
-    away = _distance_from_way(truth[flown, :2], _way(mission, _landing_place(log)))
+    followed = flown & _follows_way(flight)
+    away = _distance_from_way(truth[followed, :2], _way(mission, _landing_place(log)))
     most = limits.get("corridor")
-    result.limit_each("corridor_m", away, most, "distance from the straight path", flight, flown)
+    result.limit_each("corridor_m", away, most, "distance from the straight path", flight, followed)
     place = _landing_place(log)
-    last = (np.arange(len(truth)) == len(truth) - 1) & flight.landed
+    last = (np.arange(len(truth)) == _landing_row(flight)) & flight.landed
     landing = np.linalg.norm(truth[last, :2] - (0.0 if place is None else place), axis=1)
     usual = USUAL_LANDING_ERROR_M if place is not None and flight.landed else None
     most = limits.get("landing_error", usual)
@@ -260,6 +261,22 @@ def _setpoints(log: ULog, flight: Flight) -> Floats:
     position = np.column_stack([home[key] for key in ("x", "y", "z")]).astype(np.float64)
     at_home = newest(flight_log.seconds(home["timestamp"]), position, flight.truth.time_s)
     return newest(flight.setpoint_time_s, flight.setpoint, flight.truth.time_s) - at_home
+
+
+def _follows_way(flight: Flight) -> Rows:
+    """An aeroplane leaves it for its approach."""
+    time = flight.truth.time_s
+    nav_state = newest(flight.status_time_s, flight.nav_state.astype(np.float64), time)
+    rows: Rows = nav_state == MODES["mission"] if flight.truth.has_wing else time >= 0.0
+    return rows
+
+
+def _landing_row(flight: Flight) -> int:
+    """Where it came to rest; of an aeroplane, which rolls on, where it touched down."""
+    last = len(flight.truth.time_s) - 1
+    if not flight.truth.has_wing or flight.touchdown_s is None:
+        return last
+    return min(int(np.searchsorted(flight.truth.time_s, flight.touchdown_s)), last)
 
 
 def _at_rest(flight: Flight, setpoint: Floats) -> NDArray[np.bool_]:

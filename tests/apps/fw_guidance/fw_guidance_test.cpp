@@ -14,7 +14,7 @@ using Kind = GotoSetpoint::Kind;
 class FwGuidanceTest : public ::testing::Test {
   protected:
     FwGuidanceTest() {
-        params_.period = 8.0F;
+        params_.period = 10.0F;
         params_.damping = 0.7F;
         params_.loiter_radius = 80.0F;
         params_.height_acceptance = 8.0F;
@@ -147,14 +147,15 @@ TEST_F(FwGuidanceTest, ATakeOffIsDoneAtItsHeight) {
     EXPECT_FALSE(math::is_finite(lateral_.yaw_rate));
 }
 
-// 0.32 x 17 m/s x 8 s x 0.7 = 30.5 m before the place the turn to the next one begins.
+// 17^2 / (9.80665 tan 0.7) = 35.0 m is the radius of a turn with 0.7 rad of bank, and half a second 8.5 m.
 TEST_F(FwGuidanceTest, AGoalIsReachedWhereTheTurnBegins) {
     be_in_the_air();
     go(Kind::kPosition, 250.0F, 0.0F, 40.0F);
-    position_.x = 215.0F;
+    step();
+    position_.x = 204.0F;
     step(0.1F);
     EXPECT_FALSE(progress_.is_done);
-    position_.x = 222.0F;
+    position_.x = 208.0F;
     step(0.1F);
     EXPECT_TRUE(progress_.is_done);
     go(Kind::kPosition, 250.0F, 250.0F, 40.0F);
@@ -206,8 +207,8 @@ TEST_F(FwGuidanceTest, LandsAgainstTheWind) {
     position_.vx = 0.0F;
     position_.vy = -10.0F;
     step(0.1F);
-    position_.y = 100.0F;
-    position_.z = -8.7F;
+    position_.y = 104.9F;  // 6 m/s over ground flare 4.9 m further than the slope
+    position_.z = -8.75F;
     step(0.1F);
     // 10 m/s down 5 deg.
     EXPECT_NEAR(longitudinal_.height_rate, -0.875F, 0.1F);
@@ -221,6 +222,23 @@ TEST_F(FwGuidanceTest, WithoutAPositionItCirclesDown) {
     EXPECT_EQ(longitudinal_.throttle_direct, 0.0F);
     EXPECT_TRUE(math::is_nan(longitudinal_.altitude) && math::is_nan(longitudinal_.height_rate));
     EXPECT_NEAR(math::atan(lateral_.lateral_acceleration / 9.80665F), 0.26F, 1e-3F);
+    position_.z = -2.0F;
+    step();
+    EXPECT_EQ(lateral_.lateral_acceleration, 0.0F);
+    EXPECT_GT(longitudinal_.pitch_direct, 0.0F);
+}
+
+TEST_F(FwGuidanceTest, SinkingFarBelowItsHeightItCannotFollow) {
+    be_in_the_air();
+    step(1.0F);
+    EXPECT_EQ(progress_.lags_for, 0.0F);
+    position_.z = -30.0F;
+    position_.vz = 1.5F;
+    step(5.0F);
+    EXPECT_NEAR(progress_.lags_for, 5.0F, 0.1F);
+    position_.vz = -1.0F;
+    step();
+    EXPECT_EQ(progress_.lags_for, 0.0F);
 }
 
 }  // namespace

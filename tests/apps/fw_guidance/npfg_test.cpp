@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kGravity = 9.80665F;
 constexpr float kDt = 0.02F;
-constexpr NpfgGains kGains{.period = 8.0F, .damping = 0.7F};
+constexpr NpfgGains kGains{.period = 10.0F, .damping = 0.7F};
 
 // Flies at a constant airspeed; the bank follows in 0.5 s.
 struct Point {

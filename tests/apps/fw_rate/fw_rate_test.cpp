@@ -11,11 +11,18 @@ namespace {
 constexpr float kNaN = math::canonical_nan<float>();
 
 constexpr FwRateParams without_gains() {
-    FwRateParams params{};
-    params.integral_limit = 0.4F;
-    params.trim_airspeed = 17.0F;
-    params.stall_airspeed = 10.0F;
-    return params;
+    return {.roll_p = 0.0F,
+            .roll_i = 0.0F,
+            .roll_ff = 0.0F,
+            .pitch_p = 0.0F,
+            .pitch_i = 0.0F,
+            .pitch_ff = 0.0F,
+            .yaw_p = 0.0F,
+            .yaw_i = 0.0F,
+            .yaw_ff = 0.0F,
+            .integral_limit = 0.4F,
+            .trim_airspeed = 17.0F,
+            .stall_airspeed = 10.0F};
 }
 
 class FwRateTest : public ::testing::Test {
@@ -96,6 +103,9 @@ TEST_F(FwRateTest, IntegratesInTheAirOnly) {
     for (int i = 0; i < 50; ++i) step();
     step();
     EXPECT_NEAR(torque_[0], 0.2F, 1e-5F);  // 50 steps of 4 ms
+    fly_at(9.0F);  // below stall: on the wheels, with the gains of stall
+    for (int i = 0; i < 50; ++i) step();
+    EXPECT_NEAR(torque_[0], 0.204F * 2.89F, 1e-4F);
     land_.landed = true;
     step();
     step();
