@@ -50,26 +50,22 @@ void AirspeedSelector::measure(const AirspeedSelectorPorts& ports) {
 void AirspeedSelector::fuse(const AirspeedSelectorPorts& ports, float dt) {
     if (!flies_ || !knows_velocity(ports)) return;
     const AirspeedSelectorParams& params = *ports.params;
-    const WindFilter::Noise noise{
-        .wind_walk = params.wind_walk, .scale_walk = params.scale_walk, .gate = params.gate};
     const Vector3<float> v_N = velocity_of(*ports.position);
     const auto q_NB = math::quaternion(ports.attitude->q);
     const float measured = check_.faults() == 0 ? equivalent_ * tas_over_eas_ : kNaN;
     if (!wind_.is_running()) {
-        if (measured < params.wind_speed_from) return;
+        if (!(measured >= params.wind_speed_from)) return;
         wind_.start(v_N, math::heading(q_NB), measured);
         since_fusion_s_ = 0.0F;
     }
-    wind_.predict(dt, noise);
-    const float expected = wind_.scale() * math::norm(wind_.air_N(v_N));
+    wind_.predict(dt, params.wind_walk);
+    const float expected = math::norm(wind_.air_N(v_N));
     innovation_ = equivalent_ * tas_over_eas_ - expected;
     since_fusion_s_ += dt;
     if (since_fusion_s_ < kFusionPeriod_s || expected < params.wind_speed_from) return;
     since_fusion_s_ = 0.0F;
-    if (math::is_finite(measured)) {
-        static_cast<void>(wind_.fuse_airspeed(v_N, measured, params.airspeed_noise, params.gate));
-    }
-    static_cast<void>(wind_.fuse_sideslip(v_N, q_NB, params.sideslip_noise, params.gate));
+    wind_.fuse_airspeed(v_N, measured, params.airspeed_noise, params.gate);
+    wind_.fuse_sideslip(v_N, q_NB, params.sideslip_noise, params.gate);
 }
 
 void AirspeedSelector::check(const AirspeedSelectorPorts& ports, float dt) {
@@ -126,12 +122,11 @@ void AirspeedSelector::step(AirspeedSelectorPorts& ports) {
     }
     ports.airspeed.publish([&] { return result; });
     ports.wind.publish([&] {
-        return Wind{.windspeed_north = wind_.north(),
-                    .windspeed_east = wind_.east(),
+        return Wind{.windspeed_north = wind_.wind().x(),
+                    .windspeed_east = wind_.wind().y(),
                     .variance_north = wind_.variance_north(),
                     .variance_east = wind_.variance_east(),
                     .tas_innov = innovation_,
-                    .tas_scale = wind_.scale(),
                     .valid = knows_wind};
     });
 }

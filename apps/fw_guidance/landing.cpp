@@ -12,8 +12,11 @@ constexpr float kMissedTrack = 10.0F;  // m, low on the slope
 constexpr float kMissedHeight = 8.0F;  // m above the slope
 constexpr float kLow = 10.0F;          // m
 constexpr float kPast = 80.0F;         // m behind the place, still in the air
-constexpr float kStill = 0.2F;         // m/s; the ground stops the sink of a flare
-constexpr float kStill_s = 0.4F;
+constexpr float kStill = 0.2F;  // m/s; the ground stops the sink of a flare
+// How long: a gust does that, too, but seldom just above the ground.
+constexpr float kStillLow_s = 0.3F;
+constexpr float kStill_s = 1.5F;
+constexpr float kVeryLow = 0.7F;  // m
 constexpr unsigned kMostGoArounds = 3;
 
 }  // namespace
@@ -84,8 +87,10 @@ void Landing::update(const LandingState& state, float dt) {
             return;
         case Phase::kFlare:
             // It sinks at flare_sink at least until something holds it.
-            still_s_ = state.climb > -kStill ? still_s_ + dt : 0.0F;
-            if (still_s_ >= kStill_s) phase_ = Phase::kRoll;
+            still_s_ = math::abs(state.climb) < kStill ? still_s_ + dt : 0.0F;
+            if (still_s_ >= (state.height < kVeryLow ? kStillLow_s : kStill_s)) {
+                phase_ = Phase::kRoll;
+            }
             return;
         case Phase::kRoll:
             return;

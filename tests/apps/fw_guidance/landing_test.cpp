@@ -63,7 +63,17 @@ TEST_F(LandingTest, FlaresLowAndRollsOnceTheGroundHoldsIt) {
     EXPECT_NEAR(landing_.sink_at(3.0F), 1.225F, 1e-2F);
     EXPECT_NEAR(landing_.sink_at(0.0F), 0.4F, 1e-5F);
     for (int i = 0; i < 50; ++i) ASSERT_EQ(at(80.0F, 50.0F, 1.0F, {14.0F, 0.0F}, -0.4F), Phase::kFlare);
-    for (int i = 0; i < 21; ++i) at(90.0F, 50.0F, 0.5F, {13.0F, 0.0F}, 0.0F);
+    for (int i = 0; i < 16; ++i) at(90.0F, 50.0F, 0.5F, {13.0F, 0.0F}, 0.0F);
+    EXPECT_EQ(landing_.phase(), Phase::kRoll);
+}
+
+// A gust stops the sink for a moment.
+TEST_F(LandingTest, HighUpTheGroundMustHoldItForLonger) {
+    come_to_slope();
+    at(43.0F, 50.0F, 2.9F, {14.0F, 0.0F}, -1.2F);
+    for (int i = 0; i < 50; ++i) at(60.0F, 50.0F, 2.0F, {14.0F, 0.0F}, 0.1F);
+    EXPECT_EQ(landing_.phase(), Phase::kFlare);
+    for (int i = 0; i < 30; ++i) at(70.0F, 50.0F, 2.0F, {14.0F, 0.0F}, 0.0F);
     EXPECT_EQ(landing_.phase(), Phase::kRoll);
 }
 

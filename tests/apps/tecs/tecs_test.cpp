@@ -132,7 +132,7 @@ TEST(Tecs, InATurnBelowItsLeastAirspeedItGivesUpHeight) {
     EXPECT_GT(plane.control.status().underspeed_ratio, 0.5F);
     EXPECT_GT(plane.control.throttle(), 0.9F);
     plane.fly(8.0F, 110.0F);
-    EXPECT_GT(plane.speed, 12.5F);
+    EXPECT_GT(plane.speed, 12.0F);  // 1.05 of the stall at that bank
     EXPECT_LT(plane.height, 95.0F);
 }
 
