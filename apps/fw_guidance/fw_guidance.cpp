@@ -19,13 +19,14 @@ constexpr float kIsOff = 1.5F;          // m: it flies
 constexpr float kGentleBank = 0.26F;    // rad, of a descent without position
 constexpr float kLow = 3.0F;            // m, where that descent flares
 constexpr float kFlarePitch = 0.12F;    // rad, without power
+constexpr float kPowerless = 1.0F;      // m, of a flare
 constexpr float kFarBelow = 8.0F;       // m, below the wanted height
 constexpr float kSinks = 0.3F;          // m/s
 constexpr float kLongest_s = 1e4F;
 constexpr float kWindCounts = 2.0F;     // m/s: less has no direction to land into
 constexpr float kSlowRoll = 8.0F;       // m/s through the air: no lift to speak of
 constexpr float kSlowest = 3.0F;        // m/s over ground, of a landing
-constexpr float kRollPitch = 0.01F;   // rad, of the roll after a touchdown
+constexpr float kRollPitch = 0.05F;   // rad, of the roll after a touchdown
 constexpr float kTailDownPitch = 0.2F;  // rad, when it is slow
 constexpr float kTurnBank = 0.7F;       // rad, of the turn at a corner
 constexpr float kTurnLag = 0.5F;        // s, until it is banked
@@ -292,6 +293,8 @@ void FwGuidance::land(const FwGuidancePorts& ports, float dt) {
                      .climb = climb_},
                     dt);
     follow(ports, landing_.path());
+    const bool is_slow = ports.airspeed && ports.airspeed->calibrated_airspeed_m_s <
+                                               kRotates * params.takeoff_airspeed;
     longitudinal_ = kFree;
     longitudinal_.equivalent_airspeed = params.landing_airspeed;
     longitudinal_.altitude = ground_ + landing_.height_at(position_);
@@ -314,6 +317,9 @@ void FwGuidance::land(const FwGuidancePorts& ports, float dt) {
         case Landing::Phase::kFlare:
             longitudinal_.altitude = kNaN;
             longitudinal_.height_rate = -landing_.sink_at(height);
+            // From here on it may only sink: without power it cannot float along in gusts.
+            if (height < kPowerless) longitudinal_.throttle_direct = 0.0F;
+            if (height < kPowerless && is_slow) stage_ = Stage::kLanded;
             if (sinks_s_ > 0.0F) longitudinal_.pitch_direct = kFlarePitch;
             break;
         case Landing::Phase::kRoll:

@@ -16,6 +16,7 @@ constexpr float kStill = 0.2F;  // m/s; the ground stops the sink of a flare
 // How long: a gust does that, too, but seldom just above the ground.
 constexpr float kStillLow_s = 0.3F;
 constexpr float kStill_s = 1.5F;
+constexpr float kPush = 0.3F;  // 1/s
 constexpr float kVeryLow = 0.7F;  // m
 constexpr unsigned kMostGoArounds = 3;
 
@@ -47,7 +48,9 @@ float Landing::height_at(const Vector2& position) const {
 float Landing::sink_at(float height) const {
     const float part = math::clamp(height / plan_.flare_height, 0.0F, 1.0F);
     const float above = plan_.ground_speed * math::tan(plan_.slope) - plan_.flare_sink;
-    return plan_.flare_sink + part * math::max(above, 0.0F);
+    // Lower than the ground should be, it pushes on.
+    const float pushed = kPush * math::max(-height, 0.0F);
+    return plan_.flare_sink + part * math::max(above, 0.0F) + pushed;
 }
 
 bool Landing::leaves_circle(const LandingState& state) const {

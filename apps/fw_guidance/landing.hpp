@@ -37,7 +37,8 @@ class Landing {
     const LandingPlan& plan() const { return plan_; }
     // Above the ground: of the circle, or the slope at this place.
     float height_at(const Vector2& position) const;
-    // Of the flare: that of the slope at its height, flare_sink on the ground.
+    // Of the flare: that of the slope at its height, flare_sink on the ground,
+    // and more where the ground is lower than it should be.
     float sink_at(float height) const;
     unsigned go_arounds() const { return go_arounds_; }
 
