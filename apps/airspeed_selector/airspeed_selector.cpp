@@ -41,8 +41,8 @@ bool knows_velocity(const AirspeedSelectorPorts& ports) {
 
 void AirspeedSelector::measure(const AirspeedSelectorPorts& ports) {
     tas_over_eas_ = 1.0F / math::sqrt(density_ratio(ports));
-    pressure_ = ports.pressure ? ports.pressure->differential_pressure_pa - ports.params->offset
-                               : kNaN;
+    pressure_ =
+        ports.pressure ? ports.pressure->differential_pressure_pa - ports.params->offset : kNaN;
     const float raw = math::sqrt(2.0F * math::max(pressure_, 0.0F) / kSeaLevelDensity);
     equivalent_ = math::is_finite(pressure_) ? ports.params->scale * raw : kNaN;
 }

@@ -37,8 +37,7 @@ void WindFilter::fuse(float innovation, const Vector2& H, float variance, float 
     P_ = P;
 }
 
-void WindFilter::fuse_airspeed(const Vector3<float>& v_N, float airspeed, float sigma,
-                               float gate) {
+void WindFilter::fuse_airspeed(const Vector3<float>& v_N, float airspeed, float sigma, float gate) {
     const Vector3<float> air = air_N(v_N);
     const float speed = math::norm(air);
     if (speed < kSlow) return;

@@ -13,15 +13,14 @@ namespace {
 constexpr uint64_t kSilent_us = 20'000;
 
 std::array<Vector3<float>, kMaxSurfaces> effectiveness_of(const FwAllocationParams& p) {
-    return {{
-            Vector3<float>{p.surface0_roll, p.surface0_pitch, p.surface0_yaw},
-            Vector3<float>{p.surface1_roll, p.surface1_pitch, p.surface1_yaw},
-            Vector3<float>{p.surface2_roll, p.surface2_pitch, p.surface2_yaw},
-            Vector3<float>{p.surface3_roll, p.surface3_pitch, p.surface3_yaw},
-            Vector3<float>{p.surface4_roll, p.surface4_pitch, p.surface4_yaw},
-            Vector3<float>{p.surface5_roll, p.surface5_pitch, p.surface5_yaw},
-            Vector3<float>{p.surface6_roll, p.surface6_pitch, p.surface6_yaw},
-            Vector3<float>{p.surface7_roll, p.surface7_pitch, p.surface7_yaw}}};
+    return {{Vector3<float>{p.surface0_roll, p.surface0_pitch, p.surface0_yaw},
+             Vector3<float>{p.surface1_roll, p.surface1_pitch, p.surface1_yaw},
+             Vector3<float>{p.surface2_roll, p.surface2_pitch, p.surface2_yaw},
+             Vector3<float>{p.surface3_roll, p.surface3_pitch, p.surface3_yaw},
+             Vector3<float>{p.surface4_roll, p.surface4_pitch, p.surface4_yaw},
+             Vector3<float>{p.surface5_roll, p.surface5_pitch, p.surface5_yaw},
+             Vector3<float>{p.surface6_roll, p.surface6_pitch, p.surface6_yaw},
+             Vector3<float>{p.surface7_roll, p.surface7_pitch, p.surface7_yaw}}};
 }
 
 float share_or_zero(float value, float least, float most) {
@@ -54,7 +53,8 @@ void FwAllocation::step(FwAllocationPorts& ports) {
                             share_or_zero(xyz[2], -1.0F, 1.0F)},
                            servos.control);
         const float thrust = ports.thrust ? share_or_zero(ports.thrust->xyz[0], 0.0F, 1.0F) : 0.0F;
-        const auto end = motors.control.begin() + std::min<std::size_t>(motor_count_, motors.control.size());
+        const auto end =
+            motors.control.begin() + std::min<std::size_t>(motor_count_, motors.control.size());
         std::fill(motors.control.begin(), end, thrust);
     }
     ports.servos.publish([&] { return servos; });

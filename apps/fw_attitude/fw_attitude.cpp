@@ -27,19 +27,17 @@ bool is_flown_by_hand(const FwAttitudePorts& ports) {
 
 VehicleAttitudeSetpoint by_hand(const ManualControlSetpoint& sticks,
                                 const FwAttitudeParams& params) {
-    const auto q = math::from_euler(math::EulerAngles<float>{
-        params.stick_roll * sticks.roll, params.level_pitch - params.stick_pitch * sticks.pitch,
-        0.0F});
+    const auto q = math::from_euler(
+        math::EulerAngles<float>{params.stick_roll * sticks.roll,
+                                 params.level_pitch - params.stick_pitch * sticks.pitch, 0.0F});
     const float throttle = math::clamp(0.5F + 0.5F * sticks.throttle, 0.0F, 1.0F);
-    return {.yaw_sp_move_rate = 0.0F,
-            .q_d = math::to_array(q),
-            .thrust_body = {throttle, 0.0F, 0.0F}};
+    return {
+        .yaw_sp_move_rate = 0.0F, .q_d = math::to_array(q), .thrust_body = {throttle, 0.0F, 0.0F}};
 }
 
 float airspeed_of(const FwAttitudePorts& ports) {
     const FwAttitudeParams& params = *ports.params;
-    const bool is_known =
-        ports.airspeed && math::is_finite(ports.airspeed->true_airspeed_m_s);
+    const bool is_known = ports.airspeed && math::is_finite(ports.airspeed->true_airspeed_m_s);
     const float airspeed = is_known ? ports.airspeed->true_airspeed_m_s : params.trim_airspeed;
     return math::max(airspeed, math::max(params.stall_airspeed, kSlowest));
 }

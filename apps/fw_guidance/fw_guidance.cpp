@@ -13,20 +13,20 @@ constexpr float kNaN = math::canonical_nan<float>();
 constexpr float kGravity = 9.80665F;
 constexpr float kShortestStep = 1e-3F;
 constexpr float kLongestStep = 0.1F;
-constexpr float kAbove = 1.0F;          // m, of a goal that starts a take-off
-constexpr float kRotates = 0.9F;        // of the take-off airspeed
-constexpr float kIsOff = 1.5F;          // m: it flies
-constexpr float kGentleBank = 0.26F;    // rad, of a descent without position
-constexpr float kLow = 3.0F;            // m, where that descent flares
-constexpr float kFlarePitch = 0.12F;    // rad, without power
-constexpr float kPowerless = 1.0F;      // m, of a flare
-constexpr float kFarBelow = 8.0F;       // m, below the wanted height
-constexpr float kSinks = 0.3F;          // m/s
+constexpr float kAbove = 1.0F;        // m, of a goal that starts a take-off
+constexpr float kRotates = 0.9F;      // of the take-off airspeed
+constexpr float kIsOff = 1.5F;        // m: it flies
+constexpr float kGentleBank = 0.26F;  // rad, of a descent without position
+constexpr float kLow = 3.0F;          // m, where that descent flares
+constexpr float kFlarePitch = 0.12F;  // rad, without power
+constexpr float kPowerless = 1.0F;    // m, of a flare
+constexpr float kFarBelow = 8.0F;     // m, below the wanted height
+constexpr float kSinks = 0.3F;        // m/s
 constexpr float kLongest_s = 1e4F;
 constexpr float kWindCounts = 2.0F;     // m/s: less has no direction to land into
 constexpr float kSlowRoll = 8.0F;       // m/s through the air: no lift to speak of
 constexpr float kSlowest = 3.0F;        // m/s over ground, of a landing
-constexpr float kRollPitch = 0.05F;   // rad, of the roll after a touchdown
+constexpr float kRollPitch = 0.05F;     // rad, of the roll after a touchdown
 constexpr float kTailDownPitch = 0.2F;  // rad, when it is slow
 constexpr float kTurnBank = 0.7F;       // rad, of the turn at a corner
 constexpr float kTurnLag = 0.5F;        // s, until it is banked
@@ -38,9 +38,8 @@ constexpr FixedWingLongitudinalSetpoint kFree{.timestamp = 0,
                                               .equivalent_airspeed = kNaN,
                                               .pitch_direct = kNaN,
                                               .throttle_direct = kNaN};
-constexpr FixedWingLateralSetpoint kStraight{.timestamp = 0,
-                                             .lateral_acceleration = 0.0F,
-                                             .yaw_rate = kNaN};
+constexpr FixedWingLateralSetpoint kStraight{
+    .timestamp = 0, .lateral_acceleration = 0.0F, .yaw_rate = kNaN};
 constexpr TrajectorySetpoint kNoSetpoint{.timestamp = 0,
                                          .position = {kNaN, kNaN, kNaN},
                                          .velocity = {kNaN, kNaN, kNaN},
@@ -59,8 +58,7 @@ NpfgGains gains_of(const FwGuidanceParams& params) {
 
 // How far ahead of a corner of 90 deg the turn begins that ends on the next leg.
 float turn_distance(float ground_speed) {
-    return math::square(ground_speed) / (kGravity * math::tan(kTurnBank)) +
-           kTurnLag * ground_speed;
+    return math::square(ground_speed) / (kGravity * math::tan(kTurnBank)) + kTurnLag * ground_speed;
 }
 
 float bearing_of(const Vector2& way) {
@@ -99,13 +97,12 @@ float FwGuidance::steer(float heading, float gain) const {
 void FwGuidance::follow(const FwGuidancePorts& ports, const Path& path) {
     const PathPoint nearest = path.nearest(position_);
     lateral_ = kStraight;
-    lateral_.lateral_acceleration =
-        lateral_acceleration(nearest,
-                             {.position = position_,
-                              .velocity = velocity_,
-                              .wind = wind_,
-                              .airspeed = airspeed_or_trim(ports)},
-                             gains_of(*ports.params));
+    lateral_.lateral_acceleration = lateral_acceleration(nearest,
+                                                         {.position = position_,
+                                                          .velocity = velocity_,
+                                                          .wind = wind_,
+                                                          .airspeed = airspeed_or_trim(ports)},
+                                                         gains_of(*ports.params));
     const float speed = math::max(velocity_.dot(nearest.tangent), 0.0F);
     setpoint_.position[0] = nearest.position.x();
     setpoint_.position[1] = nearest.position.y();
@@ -134,11 +131,13 @@ void FwGuidance::take_goal(const FwGuidancePorts& ports) {
             path_ = Path::line(from, place, bearing_of(velocity_));
             wanted_altitude_ = -goal_.position[2];
             // What is nearer than the circle is round it: a climb or a descent on the spot.
-            if (math::norm(Vector2(place - position_)) < radius) path_ = Path::circle(place, radius);
+            if (math::norm(Vector2(place - position_)) < radius)
+                path_ = Path::circle(place, radius);
             break;
         }
         case Kind::kCircle:
-            path_ = Path::circle(place, math::copysign(math::max(goal_.length, radius), goal_.laps));
+            path_ =
+                Path::circle(place, math::copysign(math::max(goal_.length, radius), goal_.laps));
             wanted_altitude_ = -goal_.position[2];
             break;
         case Kind::kLand:
@@ -165,15 +164,15 @@ void FwGuidance::begin_landing(const FwGuidancePorts& ports) {
     // On the side where the vehicle is.
     const float side = cross(unit(heading), Vector2(position_ - place));
     landing_ = {};
-    landing_.begin({.place = place,
-                    .heading = heading,
-                    .slope = params.landing_slope,
-                    .height = params.approach_height,
-                    .radius = math::copysign(params.loiter_radius, side),
-                    .flare_height = params.flare_height,
-                    .flare_sink = params.flare_sink,
-                    .ground_speed = math::max(params.landing_airspeed + wind_.dot(unit(heading)),
-                                              kSlowest)});
+    landing_.begin(
+        {.place = place,
+         .heading = heading,
+         .slope = params.landing_slope,
+         .height = params.approach_height,
+         .radius = math::copysign(params.loiter_radius, side),
+         .flare_height = params.flare_height,
+         .flare_sink = params.flare_sink,
+         .ground_speed = math::max(params.landing_airspeed + wind_.dot(unit(heading)), kSlowest)});
     touchdown_heading_ = heading;
 }
 
@@ -289,9 +288,8 @@ void FwGuidance::fly_goal(const FwGuidancePorts& ports) {
 void FwGuidance::land(const FwGuidancePorts& ports, float dt) {
     const FwGuidanceParams& params = *ports.params;
     const float height = altitude_ - ground_;
-    landing_.update({.position = position_, .velocity = velocity_, .height = height,
-                     .climb = climb_},
-                    dt);
+    landing_.update(
+        {.position = position_, .velocity = velocity_, .height = height, .climb = climb_}, dt);
     follow(ports, landing_.path());
     const bool is_slow = ports.airspeed && ports.airspeed->calibrated_airspeed_m_s <
                                                kRotates * params.takeoff_airspeed;
@@ -304,8 +302,7 @@ void FwGuidance::land(const FwGuidancePorts& ports, float dt) {
             return;
         case Landing::Phase::kSlope: {
             // The slope itself, fed forward: its height alone would be followed late.
-            const float slope_rate =
-                -math::norm(velocity_) * math::tan(landing_.plan().slope);
+            const float slope_rate = -math::norm(velocity_) * math::tan(landing_.plan().slope);
             const bool is_on_slope = landing_.height_at(position_) < landing_.plan().height;
             if (is_on_slope) {
                 const float off = longitudinal_.altitude - altitude_;
@@ -342,8 +339,8 @@ void FwGuidance::descend() {
 // Far below its height, and sinking further though it wants to climb.
 void FwGuidance::watch_height(float dt) {
     const float wanted = longitudinal_.altitude;
-    const bool cannot = stage_ == Stage::kFlight && wanted - altitude_ > kFarBelow &&
-                        climb_ < -kSinks;
+    const bool cannot =
+        stage_ == Stage::kFlight && wanted - altitude_ > kFarBelow && climb_ < -kSinks;
     if (cannot) {
         sinks_s_ = math::min(sinks_s_ + dt, kLongest_s);
     } else if (climb_ > 0.0F || stage_ != Stage::kFlight) {

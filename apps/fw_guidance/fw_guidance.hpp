@@ -12,8 +12,8 @@ namespace stator::apps::fw_guidance {
 // the one before, and then round in a circle, as an aeroplane cannot stop; it is reached where the
 // turn to the next one begins. Standing on the ground, a goal above starts a take-off, which leads
 // straight on; nothing else does. A landing follows landing.hpp. Descending without a position it
-// circles down with a gentle bank and without throttle. One that sinks further and further below its
-// height cannot follow: its motor is out. Disarmed it wants nothing.
+// circles down with a gentle bank and without throttle. One that sinks further and further below
+// its height cannot follow: its motor is out. Disarmed it wants nothing.
 class FwGuidance {
   public:
     void step(FwGuidancePorts& ports);

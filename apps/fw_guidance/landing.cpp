@@ -12,11 +12,11 @@ constexpr float kMissedTrack = 10.0F;  // m, low on the slope
 constexpr float kMissedHeight = 8.0F;  // m above the slope
 constexpr float kLow = 10.0F;          // m
 constexpr float kPast = 80.0F;         // m behind the place, still in the air
-constexpr float kStill = 0.2F;  // m/s; the ground stops the sink of a flare
+constexpr float kStill = 0.2F;         // m/s; the ground stops the sink of a flare
 // How long: a gust does that, too, but seldom just above the ground.
 constexpr float kStillLow_s = 0.3F;
 constexpr float kStill_s = 1.5F;
-constexpr float kPush = 0.3F;  // 1/s
+constexpr float kPush = 0.3F;     // 1/s
 constexpr float kVeryLow = 0.7F;  // m
 constexpr unsigned kMostGoArounds = 3;
 
@@ -68,8 +68,7 @@ bool Landing::misses(const LandingState& state) const {
     const float left = final_.left(state.position);
     const float off = math::abs(cross(final_.tangent(), Vector2(state.position - final_.end())));
     const bool is_high = state.height - height_at(state.position) > kMissedHeight;
-    return (state.height < kLow && off > kMissedTrack) || (left < 0.0F && is_high) ||
-           left < -kPast;
+    return (state.height < kLow && off > kMissedTrack) || (left < 0.0F && is_high) || left < -kPast;
 }
 
 void Landing::update(const LandingState& state, float dt) {

@@ -9,11 +9,11 @@ namespace stator::apps::fw_guidance {
 struct LandingPlan {
     Vector2 place = Vector2::Zero();  // of the touchdown
     float heading = 0.0F;
-    float slope = 0.0F;  // rad
-    float height = 0.0F;  // m above the ground, at which the slope begins
-    float radius = 0.0F;  // m, of the circle; above 0 turns right
-    float flare_height = 1.0F;  // m
-    float flare_sink = 0.4F;  // m/s, at the touchdown
+    float slope = 0.0F;          // rad
+    float height = 0.0F;         // m above the ground, at which the slope begins
+    float radius = 0.0F;         // m, of the circle; above 0 turns right
+    float flare_height = 1.0F;   // m
+    float flare_sink = 0.4F;     // m/s, at the touchdown
     float ground_speed = 14.0F;  // m/s, there
 };
 

@@ -7,9 +7,9 @@ namespace stator::apps::fw_guidance {
 
 namespace {
 
-constexpr float kSlowest = 1.0F;         // m/s: below it there is no direction
-constexpr float kBuffer = 1.5F;          // m/s of airspeed, over which a course becomes infeasible
-constexpr float kInside = 0.2F;          // of the radius of a curve, least distance to its middle
+constexpr float kSlowest = 1.0F;  // m/s: below it there is no direction
+constexpr float kBuffer = 1.5F;   // m/s of airspeed, over which a course becomes infeasible
+constexpr float kInside = 0.2F;   // of the radius of a curve, least distance to its middle
 
 // Where a track error counts as far, m.
 float far_error(float ground_speed, const NpfgGains& gains) {
@@ -41,8 +41,7 @@ Vector2 heading_for(const Vector2& bearing, const Vector2& wind, float airspeed)
 
 }  // namespace
 
-float lateral_acceleration(const PathPoint& path, const AirMotion& motion,
-                           const NpfgGains& gains) {
+float lateral_acceleration(const PathPoint& path, const AirMotion& motion, const NpfgGains& gains) {
     const float airspeed = math::max(motion.airspeed, kSlowest);
     const Vector2 to_path = path.position - motion.position;
     const float signed_error = cross(path.tangent, Vector2(-to_path));  // positive: right of it
@@ -51,8 +50,7 @@ float lateral_acceleration(const PathPoint& path, const AirMotion& motion,
 
     const float far = far_error(math::norm(motion.velocity), gains);
     const float near = 1.0F - math::min(math::abs(signed_error) / far, 1.0F);
-    const math::SinCos<float> look =
-        math::sincos(math::kHalfPi<float> * math::square(near));
+    const math::SinCos<float> look = math::sincos(math::kHalfPi<float> * math::square(near));
     const Vector2 bearing =
         math::normalized(Vector2(look.cos * inward + look.sin * path.tangent), path.tangent);
 
@@ -70,8 +68,8 @@ float lateral_acceleration(const PathPoint& path, const AirMotion& motion,
         math::max(math::square(airspeed) - math::square(across), math::square(kSlowest)));
     const float speed = math::max(motion.velocity.dot(path.tangent), 0.0F);
     const float inside = math::max(1.0F - path.curvature * signed_error, kInside);
-    const float curve = airspeed * (1.0F + math::max(along / forward, -1.0F)) * path.curvature *
-                        speed / inside;
+    const float curve =
+        airspeed * (1.0F + math::max(along / forward, -1.0F)) * path.curvature * speed / inside;
     return gain * airspeed * turn + math::square(look.sin) * curve;
 }
 

@@ -72,10 +72,9 @@ bool FwLandDetector::lies(const FwLandDetectorPorts& ports, float dt) {
     if (!ports.attitude || !is_armed_) return false;
     const auto& q = ports.attitude->q;
     const float cos_tilt = 1.0F - 2.0F * (math::square(q[1]) + math::square(q[2]));
-    const bool moves = knows_speed(ports) && math::norm(Eigen::Vector3f(ports.position->vx,
-                                                                       ports.position->vy,
-                                                                       ports.position->vz)) >
-                                                 ports.params->still;
+    const bool moves =
+        knows_speed(ports) && math::norm(Eigen::Vector3f(ports.position->vx, ports.position->vy,
+                                                         ports.position->vz)) > ports.params->still;
     const bool is_down = cos_tilt < kFallen && rate_of(ports) < kCalm && !moves;
     lies_s_ = counted(is_down, lies_s_, dt);
     return lies_s_ >= ports.params->crashed_after;

@@ -83,8 +83,7 @@ void FwRate::step(FwRatePorts& ports) {
         seconds_since_last(last_sample_us_, timestamp_sample, kShortestStep, kLongestStep);
     if (stands(ports)) integral_.setZero();
     const bool integrate = !stands(ports) && flies(ports);
-    const Vector3<float> torque =
-        this->torque(rate, *ports.params, scale_of(ports), dt, integrate);
+    const Vector3<float> torque = this->torque(rate, *ports.params, scale_of(ports), dt, integrate);
     // Torque activates allocation, so thrust goes first.
     ports.thrust.publish([&] {
         return VehicleThrustSetpoint{.timestamp_sample = timestamp_sample,

@@ -10,7 +10,7 @@ namespace {
 constexpr float kNaN = math::canonical_nan<float>();
 // A place where the vehicle rests is reached when it is near enough, or after this time there.
 constexpr float kSettled_s = 4.0F;
-constexpr float kHasDirection = 0.5F;  // m: from nearer, a circle begins anywhere
+constexpr float kHasDirection = 0.5F;    // m: from nearer, a circle begins anywhere
 constexpr float kShortestCircle = 0.5F;  // m, of radius
 
 }  // namespace
@@ -102,8 +102,9 @@ void Navigator::begin_item() {
             const Vector3<float> from = position_N_ - place_N;
             const float away = math::norm(from.head<2>());
             const float radius = math::abs(item.param[2]);
-            const Vector3<float> side = away > kHasDirection ? Vector3<float>(from * (radius / away))
-                                                           : Vector3<float>(radius, 0.0F, 0.0F);
+            const Vector3<float> side = away > kHasDirection
+                                            ? Vector3<float>(from * (radius / away))
+                                            : Vector3<float>(radius, 0.0F, 0.0F);
             place_N.head<2>() += side.head<2>();
             break;
         }

@@ -49,8 +49,8 @@ float EnergyControl::height_rate_for(const Motion& motion, const Wanted& wanted,
     const float most = kReferenceAcceleration * dt;
     reference_rate_ += math::clamp(rate - reference_rate_, -most, most);
     reference_ += reference_rate_ * dt;
-    const float corrected = (reference_ - motion.height) / params.height_time +
-                            params.height_ff * reference_rate_;
+    const float corrected =
+        (reference_ - motion.height) / params.height_time + params.height_ff * reference_rate_;
     return math::clamp(corrected, -params.climb_max, params.climb_max);
 }
 
@@ -61,9 +61,9 @@ void EnergyControl::set_throttle(float wanted, float rate, float underspeed,
     wanted = math::clamp(wanted, least, most);
     energy_rate_ += (rate - energy_rate_) * (dt / (params.energy_rate_time + dt));
     const float forward =
-        params.throttle_trim + (wanted >= 0.0F
-                                    ? wanted / most * (params.throttle_max - params.throttle_trim)
-                                    : wanted / least * (params.throttle_min - params.throttle_trim));
+        params.throttle_trim +
+        (wanted >= 0.0F ? wanted / most * (params.throttle_max - params.throttle_trim)
+                        : wanted / least * (params.throttle_min - params.throttle_trim));
     const float per_rate = (params.throttle_max - params.throttle_min) / (most - least);
     const float error = per_rate * (wanted - energy_rate_);
     float throttle = forward + params.throttle_damping * error + status_.throttle_integ;
@@ -111,11 +111,11 @@ void EnergyControl::update(const Motion& motion, const Wanted& wanted, const Tec
     const bool is_height_free = !math::is_finite(wanted_rate);
     const float wanted_speed = math::clamp(or_else(wanted.airspeed, tas * params.trim_airspeed),
                                            slowest, tas * params.max_airspeed);
-    const float wanted_gain =
-        knows_speed ? math::clamp((wanted_speed - speed) / params.airspeed_time,
-                                  -kSpeedShare * kGravity * params.sink_min / speed,
-                                  kSpeedShare * kGravity * params.climb_max / speed)
-                    : 0.0F;
+    const float wanted_gain = knows_speed
+                                  ? math::clamp((wanted_speed - speed) / params.airspeed_time,
+                                                -kSpeedShare * kGravity * params.sink_min / speed,
+                                                kSpeedShare * kGravity * params.climb_max / speed)
+                                  : 0.0F;
     const float speed_rate = knows_speed ? speed * motion.airspeed_rate : 0.0F;
     const float wanted_speed_rate = speed * wanted_gain;
     const float height_rate = kGravity * motion.height_rate;

@@ -11,9 +11,9 @@ namespace stator::apps::tecs {
 struct Motion {
     float height;
     float height_rate;
-    float airspeed;       // not a number: not known
+    float airspeed;  // not a number: not known
     float airspeed_rate;
-    float load_factor;    // of the wing, from the bank
+    float load_factor;  // of the wing, from the bank
     float tas_over_eas;
     float pitch;
 };

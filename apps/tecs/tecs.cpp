@@ -77,8 +77,8 @@ void Tecs::step(TecsPorts& ports) {
     if (!ports.position || !ports.attitude) return;
     const float dt = seconds_since_last(last_us_, ports.now, kShortestStep, kLongestStep);
     const Motion motion = motion_of(ports);
-    Wanted wanted{.height = kNaN, .height_rate = 0.0F, .airspeed = kNaN, .pitch = kNaN,
-                  .throttle = kNaN};
+    Wanted wanted{
+        .height = kNaN, .height_rate = 0.0F, .airspeed = kNaN, .pitch = kNaN, .throttle = kNaN};
     if (ports.longitudinal) {
         const FixedWingLongitudinalSetpoint& setpoint = *ports.longitudinal;
         wanted = {.height = setpoint.altitude,
@@ -104,8 +104,7 @@ void Tecs::step(TecsPorts& ports) {
     ports.attitude_setpoint.publish([&] {
         return VehicleAttitudeSetpoint{
             .yaw_sp_move_rate = on_ground ? ports.lateral->yaw_rate : 0.0F,
-            .q_d = math::to_array(
-                math::from_euler(math::EulerAngles<float>{roll, pitch, heading})),
+            .q_d = math::to_array(math::from_euler(math::EulerAngles<float>{roll, pitch, heading})),
             .thrust_body = {throttle, 0.0F, 0.0F}};
     });
 }

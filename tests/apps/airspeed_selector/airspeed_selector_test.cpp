@@ -159,8 +159,8 @@ TEST_F(AirspeedSelectorTest, OnTheGroundNothingIsRefused) {
     EXPECT_EQ(airspeed_.airspeed_source, Source::kSensor);
 }
 
-// Gusts that change the airspeed by 3 m/s for some seconds, for half an hour; on a straight way, too,
-// where nothing tells a sensor's scale from the wind.
+// Gusts that change the airspeed by 3 m/s for some seconds, for half an hour; on a straight way,
+// too, where nothing tells a sensor's scale from the wind.
 TEST_F(AirspeedSelectorTest, GustsAreNoFault) {
     wind_N_ = {6.0F, 0.0F, 0.0F};
     for (int i = 0; i < 180; ++i) {

@@ -10,8 +10,8 @@ namespace {
 
 constexpr float kNaN = math::canonical_nan<float>();
 
-// Aileron, elevator, rudder, flap of the Ultra Stick 25e, whose positive deflections roll left, pitch
-// down and yaw left: coefficient x 25 deg x span or chord.
+// Aileron, elevator, rudder, flap of the Ultra Stick 25e, whose positive deflections roll left,
+// pitch down and yaw left: coefficient x 25 deg x span or chord.
 FwAllocationParams ultra_stick() {
     FwAllocationParams params{};
     params.motor_count = 1;

@@ -147,7 +147,8 @@ TEST_F(FwGuidanceTest, ATakeOffIsDoneAtItsHeight) {
     EXPECT_FALSE(math::is_finite(lateral_.yaw_rate));
 }
 
-// 17^2 / (9.80665 tan 0.7) = 35.0 m is the radius of a turn with 0.7 rad of bank, and half a second 8.5 m.
+// 17^2 / (9.80665 tan 0.7) = 35.0 m is the radius of a turn with 0.7 rad of bank, and half a
+// second 8.5 m.
 TEST_F(FwGuidanceTest, AGoalIsReachedWhereTheTurnBegins) {
     be_in_the_air();
     go(Kind::kPosition, 250.0F, 0.0F, 40.0F);

@@ -27,14 +27,14 @@ class LandingTest : public ::testing::Test {
   protected:
     LandingTest() { landing_.begin(plan()); }
     Phase at(float north, float east, float height, Vector2 velocity, float climb = 0.0F) {
-        landing_.update({.position = {north, east},
-                         .velocity = velocity,
-                         .height = height,
-                         .climb = climb},
-                        0.02F);
+        landing_.update(
+            {.position = {north, east}, .velocity = velocity, .height = height, .climb = climb},
+            0.02F);
         return landing_.phase();
     }
-    void come_to_slope() { ASSERT_EQ(at(-128.5F - kFurther, 50.0F, 20.0F, {14.0F, 0.0F}), Phase::kSlope); }
+    void come_to_slope() {
+        ASSERT_EQ(at(-128.5F - kFurther, 50.0F, 20.0F, {14.0F, 0.0F}), Phase::kSlope);
+    }
 
     Landing landing_;
 };
@@ -50,9 +50,9 @@ TEST_F(LandingTest, TheCircleTouchesTheApproach) {
 
 TEST_F(LandingTest, LeavesTheCircleAtItsHeightOnTheWayToThePlace) {
     const float start = -128.5F - kFurther;
-    EXPECT_EQ(at(start, 50.0F, 30.0F, {14.0F, 0.0F}), Phase::kCircle);   // too high
+    EXPECT_EQ(at(start, 50.0F, 30.0F, {14.0F, 0.0F}), Phase::kCircle);    // too high
     EXPECT_EQ(at(start, 210.0F, 20.0F, {-14.0F, 0.0F}), Phase::kCircle);  // the other side
-    EXPECT_EQ(at(start, 50.0F, 20.0F, {0.0F, 14.0F}), Phase::kCircle);   // another course
+    EXPECT_EQ(at(start, 50.0F, 20.0F, {0.0F, 14.0F}), Phase::kCircle);    // another course
     come_to_slope();
     EXPECT_NEAR(landing_.height_at({0.0F, 50.0F}), (100.0F - kFurther) * 0.0875F, 0.05F);
 }
@@ -62,7 +62,8 @@ TEST_F(LandingTest, FlaresLowAndRollsOnceTheGroundHoldsIt) {
     EXPECT_EQ(at(43.0F, 50.0F, 2.9F, {14.0F, 0.0F}, -1.2F), Phase::kFlare);
     EXPECT_NEAR(landing_.sink_at(3.0F), 1.225F, 1e-2F);
     EXPECT_NEAR(landing_.sink_at(0.0F), 0.4F, 1e-5F);
-    for (int i = 0; i < 50; ++i) ASSERT_EQ(at(80.0F, 50.0F, 1.0F, {14.0F, 0.0F}, -0.4F), Phase::kFlare);
+    for (int i = 0; i < 50; ++i)
+        ASSERT_EQ(at(80.0F, 50.0F, 1.0F, {14.0F, 0.0F}, -0.4F), Phase::kFlare);
     for (int i = 0; i < 16; ++i) at(90.0F, 50.0F, 0.5F, {13.0F, 0.0F}, 0.0F);
     EXPECT_EQ(landing_.phase(), Phase::kRoll);
 }

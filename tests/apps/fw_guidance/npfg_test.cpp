@@ -23,12 +23,10 @@ struct Point {
 
     Vector2 velocity() const { return airspeed * unit(heading) + wind; }
     void fly(const Path& path) {
-        const float wanted = lateral_acceleration(path.nearest(position),
-                                                  {.position = position,
-                                                   .velocity = velocity(),
-                                                   .wind = wind,
-                                                   .airspeed = airspeed},
-                                                  kGains);
+        const float wanted = lateral_acceleration(
+            path.nearest(position),
+            {.position = position, .velocity = velocity(), .wind = wind, .airspeed = airspeed},
+            kGains);
         const float angle = math::clamp(math::atan(wanted / kGravity), -0.8F, 0.8F);
         bank += (angle - bank) * (kDt / 0.5F);
         heading += kGravity * math::tan(bank) / airspeed * kDt;

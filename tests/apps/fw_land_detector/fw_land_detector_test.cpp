@@ -27,8 +27,7 @@ class FwLandDetectorTest : public ::testing::Test {
         step();
     }
     void lean(float roll) {
-        attitude_.q =
-            math::to_array(math::from_euler(math::EulerAngles<float>{roll, 0.0F, 0.0F}));
+        attitude_.q = math::to_array(math::from_euler(math::EulerAngles<float>{roll, 0.0F, 0.0F}));
     }
     void step(int count = 1) {
         for (int i = 0; i < count; ++i) {

@@ -103,7 +103,7 @@ TEST_F(FwRateTest, IntegratesInTheAirOnly) {
     for (int i = 0; i < 50; ++i) step();
     step();
     EXPECT_NEAR(torque_[0], 0.2F, 1e-5F);  // 50 steps of 4 ms
-    fly_at(9.0F);  // below stall: on the wheels, with the gains of stall
+    fly_at(9.0F);                          // below stall: on the wheels, with the gains of stall
     for (int i = 0; i < 50; ++i) step();
     EXPECT_NEAR(torque_[0], 0.204F * 2.89F, 1e-4F);
     land_.landed = true;
@@ -141,8 +141,8 @@ TEST_F(FwRateTest, AGyroSampleThatIsNotANumberPassesUnused) {
 }
 
 // The Ultra Stick 25e about x: 70 rad/s^2 at full aileron and 17 m/s, roll mode at 16.1 1/s there;
-// the first grows with the square of the airspeed, the second with the airspeed. With the interface's
-// gains and a servo of 20 ms.
+// the first grows with the square of the airspeed, the second with the airspeed. With the
+// interface's gains and a servo of 20 ms.
 TEST_F(FwRateTest, RollRateSettlesAtAnyAirspeed) {
     for (const float airspeed : {12.0F, 17.0F, 22.0F}) {
         node_ = {};

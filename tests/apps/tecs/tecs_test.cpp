@@ -66,8 +66,8 @@ class Aeroplane {
                             .pitch = pitch_};
         control.update(motion, wanted, params, kDt);
         const float beyond = control.throttle() - params.throttle_trim;
-        const float climbs = beyond > 0.0F ? beyond / 0.45F * params.climb_max
-                                           : beyond / 0.55F * params.sink_min;
+        const float climbs =
+            beyond > 0.0F ? beyond / 0.45F * params.climb_max : beyond / 0.55F * params.sink_min;
         const float energy = kGravity * (has_power ? climbs : -params.sink_min);
         gain_ = (energy - kGravity * climb) / speed;
         speed += gain_ * kDt;
@@ -122,7 +122,8 @@ TEST(Tecs, RegainsLostAirspeed) {
     EXPECT_NEAR(plane.speed, kTrim, 0.3F);
 }
 
-// Without power, so that only height can make speed. At 40 deg of bank the least airspeed is 12 / sqrt(cos 40) = 13.7 m/s.
+// Without power, so that only height can make speed. At 40 deg of bank the least airspeed is 12 /
+// sqrt(cos 40) = 13.7 m/s.
 TEST(Tecs, InATurnBelowItsLeastAirspeedItGivesUpHeight) {
     Aeroplane plane;
     plane.load_factor = 1.0F / math::cos(0.698F);
