@@ -17,15 +17,30 @@ LaunchParameters parameters_of(Launch launch) {
     return {};
 }
 
-Launcher::Launcher(Launch launch, double yaw)
-    : parameters_(parameters_of(launch)), is_free_(launch == Launch::kGround) {
+Launcher::Launcher(Launch launch, double yaw, bool has_wing)
+    : parameters_(parameters_of(launch)),
+      has_wing_(has_wing),
+      is_free_(launch == Launch::kGround && !has_wing) {
     const auto heading = math::sincos(yaw);
     const auto climb = math::sincos(parameters_.climb);
     way_N_ = Vector3(heading.cos * climb.cos, heading.sin * climb.cos, -climb.sin);
 }
 
+std::optional<Vector3> Launcher::catches_N(const Plant& plant, bool motors_are_stopped) {
+    constexpr double kSlow = 3.0;   // m/s
+    constexpr double kHolds = 5.0;  // 1/s
+    const Vector3& velocity_N = plant.state().velocity_N;
+    if (!has_wing_ || !motors_are_stopped) {
+        is_caught_ = false;
+    } else if (plant.is_on_ground() && math::norm(velocity_N) < kSlow) {
+        is_caught_ = true;
+    }
+    if (!is_caught_) return {};
+    return Vector3(-kHolds * velocity_N);
+}
+
 std::optional<Vector3> Launcher::carries_N(const Plant& plant, bool motors_are_stopped) {
-    if (is_free_) return {};
+    if (is_free_) return catches_N(plant, motors_are_stopped);
     if (is_thrown_) {
         is_free_ = plant.state().velocity_N.dot(way_N_) >= parameters_.speed;
         if (is_free_) return {};

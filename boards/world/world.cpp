@@ -48,7 +48,8 @@ World::World(const Conditions& conditions, const Vehicle& published)
       plant_(vehicle_.airframe, draw_start(conditions, vehicle_.airframe)),
       battery_(vehicle_.battery),
       wind_(conditions.wind, conditions.seed),
-      launcher_(conditions.launch, math::heading(plant_.state().q_NB)),
+      launcher_(conditions.launch, math::heading(plant_.state().q_NB),
+                vehicle_.airframe.has_wing()),
       watch_(plant_) {
     choose_air();
 }

@@ -20,19 +20,24 @@ struct LaunchParameters {
 };
 LaunchParameters parameters_of(Launch launch);
 
-// Holds the vehicle, and throws it once its motors have been allowed to turn for a while.
+// Holds the vehicle, and throws it once its motors have been allowed to turn for a while. What has a
+// wing is held on the ground, too, until then and after it has landed: a gust would lift it.
 class Launcher {
   public:
-    Launcher(Launch launch, double yaw);
+    Launcher(Launch launch, double yaw, bool has_wing);
 
     // To be called in steps of 1 ms or so: how the vehicle is moved until the next call. Nothing:
-    // it is free, for good.
+    // it is free.
     std::optional<Vector3> carries_N(const Plant& plant, bool motors_are_stopped);
 
   private:
+    std::optional<Vector3> catches_N(const Plant& plant, bool motors_are_stopped);
+
     LaunchParameters parameters_;
     Vector3 way_N_;  // of unit length
+    bool has_wing_;
     bool is_free_;
+    bool is_caught_ = false;
     bool is_thrown_ = false;
     std::optional<std::uint64_t> allowed_us_;
 };
