@@ -235,17 +235,17 @@ void Navigator::advance_landing(const NavigatorPorts& ports) {
     const bool has_waited = phase_ == 0 && in_phase_s_ > kPatience_s;
     if ((!has_arrived_ && !has_waited) || phase_ == 2) return;
     ++phase_;
-    const float z = home_N_.z() - ports.params->landing_height;
-    // From where the setpoint rests, which is where the last goal was if that was reached.
-    const bool is_near =
-        math::norm(math::vector(goal_.position).head<2>() - position_N_.head<2>()) <
-        math::max(kLooksFrom, ports.params->near_enough);
-    const Vector3<float> here = is_near ? math::vector(goal_.position) : position_N_;
-    if (phase_ == 1 && position_N_.z() < z) {
-        return go({here.x(), here.y(), z}, kNaN, speeds_);
+    if (phase_ == 1) {
+        const float z = home_N_.z() - ports.params->landing_height;
+        // From where the setpoint rests, which is where the last goal was if that was reached.
+        const float away =
+            math::norm(math::vector(goal_.position).head<2>() - position_N_.head<2>());
+        const bool is_near = away < math::max(kLooksFrom, ports.params->near_enough);
+        const Vector3<float> here = is_near ? math::vector(goal_.position) : position_N_;
+        if (position_N_.z() < z) return go({here.x(), here.y(), z}, kNaN, speeds_);
+        goal_.position = math::to_array(here);
     }
     phase_ = 2;
-    goal_.position = math::to_array(here);
     start(GotoSetpoint::Kind::kLand);
 }
 

@@ -36,7 +36,8 @@ std::optional<Vector3> Launcher::catches_N(const Plant& plant, bool motors_are_s
         is_caught_ = true;
     }
     if (!is_caught_) return {};
-    return Vector3(-kHolds * velocity_N);
+    const Vector3 down_N(0.0, 0.0, plant.is_on_ground() ? 0.0 : 1.0);
+    return Vector3(down_N - kHolds * velocity_N);
 }
 
 std::optional<Vector3> Launcher::carries_N(const Plant& plant, bool motors_are_stopped) {
