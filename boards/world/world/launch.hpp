@@ -20,8 +20,8 @@ struct LaunchParameters {
 };
 LaunchParameters parameters_of(Launch launch);
 
-// Holds the vehicle, and throws it once its motors have been allowed to turn for a while. What has a
-// wing is held on the ground, too, until then and after it has landed: a gust would lift it.
+// Holds the vehicle, and throws it once its motors have been allowed to turn for a while. What has
+// a wing is held on the ground, too, until then and after it has landed: a gust would lift it.
 class Launcher {
   public:
     Launcher(Launch launch, double yaw, bool has_wing);
