@@ -135,6 +135,7 @@ void FwGuidance::take_goal(const FwGuidancePorts& ports) {
                 path_ = Path::circle(place, radius);
             break;
         }
+        case Kind::kEight:  // circles, as many
         case Kind::kCircle:
             path_ =
                 Path::circle(place, math::copysign(math::max(goal_.length, radius), goal_.laps));
@@ -256,7 +257,9 @@ void FwGuidance::fly_goal(const FwGuidancePorts& ports) {
     setpoint_.position[2] = -wanted_altitude_;
     const float off = math::abs(altitude_ - wanted_altitude_);
     const bool is_at_height = off < params.height_acceptance;
-    if (goal_.kind == GotoSetpoint::Kind::kCircle) {
+    const bool is_figure =
+        goal_.kind == GotoSetpoint::Kind::kCircle || goal_.kind == GotoSetpoint::Kind::kEight;
+    if (is_figure) {
         count_laps();
         is_done_ = is_done_ || math::abs(turned_) >= math::kTwoPi<float> * math::abs(goal_.laps);
         return;

@@ -1,4 +1,4 @@
-"""An aeroplane flies a mission from the runway to the runway; in wind and with failures by --long."""
+"""An aeroplane flies a mission; in wind and with failures by --long."""
 
 from __future__ import annotations
 
