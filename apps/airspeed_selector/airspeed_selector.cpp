@@ -122,12 +122,12 @@ void AirspeedSelector::step(AirspeedSelectorPorts& ports) {
     }
     ports.airspeed.publish([&] { return result; });
     ports.wind.publish([&] {
-        return Wind{.windspeed_north = wind_.wind().x(),
-                    .windspeed_east = wind_.wind().y(),
-                    .variance_north = wind_.variance_north(),
-                    .variance_east = wind_.variance_east(),
-                    .tas_innov = innovation_,
-                    .valid = knows_wind};
+        return AirspeedWind{.windspeed_north = wind_.wind().x(),
+                            .windspeed_east = wind_.wind().y(),
+                            .variance_north = wind_.variance_north(),
+                            .variance_east = wind_.variance_east(),
+                            .tas_innov = innovation_,
+                            .valid = knows_wind};
     });
 }
 

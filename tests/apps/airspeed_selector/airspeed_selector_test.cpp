@@ -85,7 +85,7 @@ class AirspeedSelectorTest : public ::testing::Test {
     math::Vector3<float> wind_N_ = math::Vector3<float>::Zero();
     math::Random random_{1, 1};
     AirspeedValidated airspeed_{};
-    Wind wind_{};
+    AirspeedWind wind_{};
     float heading_ = 0.0F;
     float factor_ = 1.0F;
     bool has_sensor_ = true;

@@ -85,7 +85,7 @@ class FwGuidanceTest : public ::testing::Test {
     GotoSetpoint goal_{};
     VehicleLocalPosition position_{};
     AirspeedValidated airspeed_{};
-    Wind wind_{};
+    AirspeedWind wind_{};
     VehicleStatus status_{.arming_state = VehicleStatus::ArmingState::kDisarmed,
                           .nav_state = Nav::kMission};
     VehicleLandDetected land_{.landed = true};
