@@ -147,7 +147,7 @@ TEST(Options, refuses_what_it_does_not_know) {
               "ground|catapult|hand, --fail "
               "WHAT@SECONDS, "
               "--pilot FILE, --vehicle FILE, --mission FILE, --origin LATITUDE,LONGITUDE[,HEIGHT], "
-              "--speed FACTOR, --mavlink PLACE, --hil PLACE, "
+              "--speed FACTOR, --mavlink PLACE, --signing-key FILE, --hil PLACE, "
               "--lockstep SOCKET\n");
 }
 
