@@ -127,6 +127,11 @@ void Logger::write_info(LoggerPorts& ports, std::string_view key, std::string_vi
     write_text(ports, text);
 }
 
+// From the first subscription on, readers pass over messages of a type that they do not know.
+bool Logger::has_subscribed(const LoggerPorts& ports) const {
+    return defined_ > 1 + ports.log->topic_count + ports.log->parameter_count;
+}
+
 void Logger::write_format(LoggerPorts& ports, const LogTopic& row) {
     begin(ports, 'F', row.name.size() + 1 + row.format.size());
     write_text(ports, row.name);

@@ -27,6 +27,7 @@ class Logger {
     // Definitions leave the last block to samples, so that these wait for no later activation.
     bool has_room_to_define() const { return published_ + 1 < blocks_at_once_; }
     bool write_definitions(LoggerPorts& ports);
+    bool has_subscribed(const LoggerPorts& ports) const;
     void write_definition(LoggerPorts& ports, uint32_t index);
     void write_header(LoggerPorts& ports);
     void write_subscription(LoggerPorts& ports, uint16_t id);

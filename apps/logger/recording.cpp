@@ -1,7 +1,9 @@
 // The recording of a flight in its log: messages of type 'X', as docs/recording.md has them.
-// Readers of ULog skip messages of a type that they do not know.
+// Readers of ULog pass over messages of a type that they do not know; but not among the
+// definitions, where each is packed into an information message.
 #include <algorithm>
 #include <cstring>
+#include <string_view>
 
 #include "logger.hpp"
 #include "stator/crc32.hpp"
@@ -11,7 +13,10 @@ namespace stator::apps::logger {
 namespace {
 
 constexpr char kRecording = 'X';
-constexpr size_t kHead = 4;       // bytes of such a message before its content
+// Among the definitions: not the rest of another one; the key's length; the key, of a type that
+// readers do not know, so that they pass over it.
+constexpr std::string_view kPacked{"\0\x10stator recording", 18};
+constexpr size_t kHead = 4 + kPacked.size();  // most bytes of such a message before its content
 constexpr size_t kMinChunk = 32;  // less of a stream is not worth a message at the end of a block
 
 }  // namespace
@@ -64,7 +69,12 @@ void Logger::write_check(LoggerPorts& ports) {
 }
 
 void Logger::begin_recorded(LoggerPorts& ports, Kind kind, unsigned level, size_t bytes) {
-    begin(ports, kRecording, sizeof kind + bytes);
+    if (has_subscribed(ports)) {
+        begin(ports, kRecording, sizeof kind + bytes);
+    } else {
+        begin(ports, 'M', kPacked.size() + sizeof kind + bytes);
+        write_text(ports, kPacked);
+    }
     const auto head = static_cast<uint8_t>(static_cast<unsigned>(kind) | level);
     write(ports, &head, sizeof head);
 }

@@ -130,6 +130,8 @@ void MissionTransfer::acknowledge(Link& link, mav::Address to, uint8_t list, uin
 void MissionTransfer::end(Link& link, uint32_t outcome, uint32_t opaque_id) {
     acknowledge(link, upload_.from, upload_.told, outcome, opaque_id);
     upload_.is_one = false;
+    upload_.outcome = outcome;
+    upload_.opaque_id = opaque_id;
 }
 
 void MissionTransfer::ask_next(Link& link, uint64_t now_us) {
@@ -179,12 +181,15 @@ void MissionTransfer::open_list(MavlinkPorts& ports) {
 }
 
 // What is not the next item, or was not asked for, is not taken: it is asked for again. So a
-// station that answers fast, or unasked, cannot hand over more than the device takes.
+// station that answers fast, or unasked, cannot hand over more than the device takes. An item of an
+// upload that has ended says that the station did not hear how: it is told again.
 void MissionTransfer::take(Link& link, mav::Address from, const mav::MissionItemInt& item,
                            MavlinkPorts& ports) {
-    const bool is_ours = upload_.is_one && !upload_.is_committed && upload_.from == from &&
-                         upload_.list == item.mission_type;
-    if (!is_ours || item.seq >= upload_.count) return;
+    const bool is_ours =
+        upload_.from == from && upload_.list == item.mission_type && item.seq < upload_.count;
+    if (!is_ours) return;
+    if (!upload_.is_one) return end(link, upload_.outcome, upload_.opaque_id);
+    if (upload_.is_committed) return;
     if (item.seq != upload_.next || !upload_.is_asked) return;
     const uint32_t outcome = verdict(upload_.list, item);
     if (outcome != result::kAccepted) {

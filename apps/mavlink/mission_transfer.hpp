@@ -53,6 +53,9 @@ class MissionTransfer {
         uint64_t begun_us = 0;
         uint64_t heard_us = 0;
         uint64_t asked_us = 0;
+        // Of the one that has ended.
+        uint32_t outcome = 0;
+        uint32_t opaque_id = 0;
     };
     struct Download {
         bool is_one = false;

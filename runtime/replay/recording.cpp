@@ -14,6 +14,8 @@ namespace {
 constexpr size_t kFileHead = 16;
 constexpr size_t kMessageHead = 3;  // size and type
 constexpr char kRecording = 'X';
+// In front of what is among the definitions of the log.
+constexpr std::string_view kPacked{"M\0\x10stator recording", 19};
 constexpr unsigned kStream = 0x00;
 constexpr unsigned kDefinition = 0x10;
 constexpr unsigned kGap = 0x20;
@@ -130,11 +132,16 @@ std::optional<Recording> read_recording(const char* log, size_t count) {
     Recording recording;
     Definitions definitions(recording);
     for (size_t at = kFileHead; at + kMessageHead < bytes.size();) {
-        const size_t size = bytes[at] + size_t{256} * bytes[at + 1];
-        const uint8_t* content = bytes.data() + at + kMessageHead;
-        const bool is_ours = bytes[at + 2] == kRecording;
-        at += kMessageHead + size;
-        if (!is_ours || size == 0 || at > bytes.size()) continue;
+        const size_t end = at + kMessageHead + bytes[at] + size_t{256} * bytes[at + 1];
+        const std::string_view rest{reinterpret_cast<const char*>(bytes.data()) + at + 2,
+                                    bytes.size() - at - 2};
+        const bool is_packed = rest.starts_with(kPacked);
+        const size_t begin = at + 2 + (is_packed ? kPacked.size() : 1);
+        at = end;
+        if (!is_packed && rest.front() != kRecording) continue;
+        if (begin >= end || end > bytes.size()) continue;
+        const uint8_t* content = bytes.data() + begin;
+        const size_t size = end - begin;
         const unsigned kind = content[0] & 0xF0U;
         const unsigned level = content[0] & 0x0FU;
         if (kind == kStream) {

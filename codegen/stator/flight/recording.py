@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 FILE_HEAD = 16
 MESSAGE_HEAD = 3
 RECORDING = ord("X")
+PACKED = b"M\0\x10stator recording"  # in front of what is among the definitions
 VERSION = 2  # of the recordings that can be replayed: `VERSION` of emit/recording.py
 STREAM, DEFINITION, GAP, CHECK = 0x00, 0x10, 0x20, 0x30
 
@@ -103,16 +104,18 @@ def _walk(recording: Recording) -> bool:
             recording.problem = f"it is incomplete or damaged at byte {at}"
             break
         kind = data[at + 2]
-        if kind == RECORDING and end > at + MESSAGE_HEAD:
+        is_packed = data.startswith(PACKED, at + 2)
+        first = at + 2 + (len(PACKED) if is_packed else 1)
+        if (kind == RECORDING or is_packed) and end > first:
             seen_any = True
-            what, level = data[at + 3] & 0xF0, data[at + 3] & 0x0F
-            content = data[at + 4 : end]
+            what, level = data[first] & 0xF0, data[first] & 0x0F
+            content = data[first + 1 : end]
             if what == DEFINITION:
                 lines.append(content.decode(errors="replace"))
             elif what == GAP and len(content) == 4:
                 gaps[level] = int.from_bytes(content, "little")
             elif what == CHECK:
-                if content != zlib.crc32(data[covered_from : at + 4]).to_bytes(4, "little"):
+                if content != zlib.crc32(data[covered_from : first + 1]).to_bytes(4, "little"):
                     recording.problem = f"it is damaged between bytes {covered_from} and {end}"
                     break
                 covered_from = recording.good_bytes = end

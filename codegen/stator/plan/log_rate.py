@@ -46,7 +46,7 @@ def most_blocks(graph: Graph) -> int:
     """That an activation of any logger publishes: the `burst` of its interface."""
     logger = logger_of(graph)
     assert logger is not None
-    return max(output.port.burst for output in logger.outputs.values())
+    return max((output.port.burst for output in logger.outputs.values()), default=0)
 
 
 def blocks_at_once(

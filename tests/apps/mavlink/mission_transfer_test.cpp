@@ -154,6 +154,24 @@ TEST_F(MissionTransferTest, AnUploadThatStopsChangesNothing) {
     EXPECT_EQ(upload(2), static_cast<int>(result::kAccepted));  // the next try works
 }
 
+// An acknowledgement may be lost: a station that sends its last item again has not heard it.
+TEST_F(MissionTransferTest, HowAnUploadEndedIsToldAgain) {
+    ASSERT_EQ(upload(3), static_cast<int>(result::kAccepted));
+    const auto first = acks().front();
+    forget();
+    send(item(2), 0, {255, 1});  // another station
+    send(item(3));               // there was none
+    send(item(2, 1));            // of another list
+    run(0.1);
+    EXPECT_TRUE(acks().empty());
+    send(item(2));
+    run(0.1);
+    ASSERT_EQ(acks().size(), 1U);
+    EXPECT_EQ(acks().front().type, result::kAccepted);
+    EXPECT_EQ(acks().front().opaque_id, first.opaque_id);
+    EXPECT_EQ(lists_[0].size(), 3U);
+}
+
 TEST_F(MissionTransferTest, ItemsOutOfOrderAreNotTaken) {
     send_count(3);
     run(0.05);
