@@ -107,6 +107,7 @@ def test_what_a_node_prints_has_time_and_name(
     ]
 
 
+@pytest.mark.long  # builds the world and the quad once more
 def test_sanitizers_find_what_flies_without_them(
     project: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
