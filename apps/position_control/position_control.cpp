@@ -126,7 +126,7 @@ bool PositionControl::take_position(const PositionControlPorts& ports) {
     return true;
 }
 
-// From heights, low-passed; a reset of them is no motion.
+// From heights, low-passed; a reset of them does not count as motion.
 float PositionControl::climb_of(const VehicleLocalPosition& position) {
     constexpr float kSmoothing_s = 0.5F;
     const float dt = seconds_since_last(climb_us_, position.timestamp_sample, 0.0F, kLongestStep);

@@ -26,8 +26,8 @@ class DmaStream {
     constexpr DmaStream(uint32_t controller, uint32_t stream, uint32_t channel)
         : controller_(controller), stream_(stream), channel_(channel) {}
 
-    // The controller's clock, once before all else: its register is shared, and whoever interrupts
-    // a change of it would lose it.
+    // The controller's clock, once before all else: its register is shared, so a change by a task
+    // that interrupts this one would be lost.
     void switch_on() const { rcc::kAhb1Enable.set(1U << (20 + controller_)); }
     // Between a peripheral's data register and `bytes`. False: the stream's last transfer did not
     // stop within its bound, and nothing was started.

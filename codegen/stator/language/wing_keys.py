@@ -36,6 +36,9 @@ def _coefficients(**docs: str) -> Struct:
     return Struct({name: Key(_COEFFICIENT, f"{doc}; 0 if left out.") for name, doc in docs.items()})
 
 
+_LONGITUDINAL = _coefficients(
+    zero="At no angle of attack", alpha="Of that angle", pitch_rate="Of q c / 2V"
+)
 _LATERAL = _coefficients(
     beta="Of the sideslip, positive for air from the right",
     roll_rate="Of p b / 2V",
@@ -81,13 +84,7 @@ WING = Struct(
         "span": Key(above_zero("m"), "That those of roll and yaw are over.", required=True),
         "chord": Key(above_zero("m"), "That those of pitch are over.", required=True),
         "reference": Key(POINT, "The point where the forces act; the centre of mass if left out."),
-        "lift": Key(
-            _coefficients(
-                zero="At no angle of attack", alpha="Of that angle", pitch_rate="Of q c / 2V"
-            ),
-            "CL.",
-            required=True,
-        ),
+        "lift": Key(_LONGITUDINAL, "CL.", required=True),
         "drag": Key(
             _coefficients(
                 zero="The least",
@@ -103,13 +100,7 @@ WING = Struct(
         ),
         "side": Key(_LATERAL, "CY, positive to the right.", required=True),
         "roll": Key(_LATERAL, "Cl, positive to the right.", required=True),
-        "pitch": Key(
-            _coefficients(
-                zero="At no angle of attack", alpha="Of that angle", pitch_rate="Of q c / 2V"
-            ),
-            "Cm, positive nose up.",
-            required=True,
-        ),
+        "pitch": Key(_LONGITUDINAL, "Cm, positive nose up.", required=True),
         "yaw": Key(_LATERAL, "Cn, positive nose right.", required=True),
         "stall": Key(STALL, "What is beyond the derivatives.", required=True),
     }

@@ -307,7 +307,7 @@ TEST_F(PositionControlTest, with_an_unknown_vertical_velocity_it_does_not_rise_f
     }
     EXPECT_LT(climb, 0.1F);
     EXPECT_GT(climb, -2.0F);
-    // A reset of the height is no motion.
+    // A reset of the height does not count as motion.
     const float before = thrust();
     position_.z -= 30.0F;
     ++position_.z_reset_counter;
