@@ -134,6 +134,12 @@ def test_parts_of_a_bus_need_a_bus(capsys: pytest.CaptureFixture[str]) -> None:
     assert "hint: add --can vcan0" in capsys.readouterr().err
 
 
+def wait_for_log(log: Path) -> None:
+    """Until it has more than its definitions, and what is recorded meanwhile: samples."""
+    while not log.is_file() or log.stat().st_size < 100_000:
+        time.sleep(0.05)
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_it_in_order(program: Path, tmp_path: Path, number: int) -> None:
     log = tmp_path / "ended.ulg"
@@ -143,8 +149,7 @@ def test_a_signal_ends_it_in_order(program: Path, tmp_path: Path, number: int) -
         stdout=subprocess.PIPE,
         text=True,
     ) as process:
-        while not log.is_file() or log.stat().st_size < 20_000:
-            time.sleep(0.05)
+        wait_for_log(log)
         process.send_signal(number)
         facts = json.loads(process.communicate()[0])
     assert process.returncode == 128 + number
@@ -278,8 +283,7 @@ def test_the_log_of_another_run_is_left_to_it(
 ) -> None:
     log = tmp_path / "one.ulg"
     with subprocess.Popen([program, "--duration", "3600", "--log", log]) as other:
-        while not log.is_file() or log.stat().st_size < 20_000:
-            time.sleep(0.05)
+        wait_for_log(log)
         assert main(["run", "--link", LINK, "-o", str(log)]) == 2
         assert f"another run writes to '{log}'\nhint: " in capsys.readouterr().err
         other.terminate()
@@ -301,11 +305,6 @@ def test_the_quad_flies(tmp_path: Path) -> None:
     status, facts = run("-o", str(tmp_path / "flight.ulg"))
     assert facts["reason"] == "landed and disarmed, within all limits"
     assert status == 0
-
-
-def wait_for_log(log: Path) -> None:
-    while not log.is_file() or log.stat().st_size < 20_000:
-        time.sleep(0.05)
 
 
 def wait_until_none_has(log: Path) -> None:

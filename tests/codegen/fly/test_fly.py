@@ -177,7 +177,8 @@ def test_an_interrupted_flight_has_a_report_a_log_and_its_status(tmp_path: Path)
     command = [str(ROOT / "stator"), "fly", "--speed", "0.5", "-o", str(log)]
     pipe = subprocess.PIPE
     process = subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True)
-    while process.poll() is None and not (log.exists() and log.stat().st_size > 10_000):
+    # More than its definitions, and what is recorded meanwhile: samples.
+    while process.poll() is None and not (log.exists() and log.stat().st_size > 100_000):
         time.sleep(0.02)
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate()
